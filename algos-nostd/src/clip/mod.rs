@@ -1,0 +1,1 @@
+//! Line and polygon clipping in integers.

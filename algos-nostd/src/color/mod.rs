@@ -1,0 +1,1 @@
+//! Demosaic, curves, histograms and colour balance: what a camera does to colour.

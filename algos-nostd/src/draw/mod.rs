@@ -1,0 +1,1 @@
+//! Lines, circles, polygons, filling and alpha compositing.

@@ -1,0 +1,1 @@
+//! Gradients, edge detectors, and from edge maps to curves.

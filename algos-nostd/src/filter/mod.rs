@@ -1,0 +1,1 @@
+//! Smoothing, convolution, rank filters, morphology, sharpening and scaling.

@@ -1,0 +1,1 @@
+//! Pixel formats of camera buses and the conversions between them.

@@ -1,0 +1,1 @@
+//! Palettes, nearest colours and dithering.

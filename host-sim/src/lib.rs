@@ -1,0 +1,2 @@
+//! Makes, replays, breaks and diagnoses camera timing traces on the host.
+#![forbid(unsafe_code)]

@@ -1,0 +1,2 @@
+//! What crosses crates: oracles written from the definitions, never from the fast code.
+#![forbid(unsafe_code)]
