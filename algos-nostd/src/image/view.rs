@@ -3,12 +3,21 @@ use super::Error;
 /// A picture borrowed from its owner: `height` lines of `width` pixels, `stride` pixels from line to line.
 ///
 /// Checked once when made; the accessors are then infallible.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Image<'a, P> {
     pixels: &'a [P],
     width: usize,
     height: usize,
     stride: usize,
+}
+
+// By hand, because a view can be copied whatever its pixels are.
+impl<P> Copy for Image<'_, P> {}
+
+impl<P> Clone for Image<'_, P> {
+    fn clone(&self) -> Self {
+        *self
+    }
 }
 
 /// The same, to be written to.
