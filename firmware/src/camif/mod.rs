@@ -1,1 +1,2 @@
 //! The block.
+pub mod pins;
