@@ -9,6 +9,7 @@ mod interrupts;
 mod select;
 mod software;
 mod sync;
+mod two_speeds;
 
 use super::pins::{Pins, Sync};
 use super::registers::{Burst, Control, DmaMode, Events, Extension, Register, Registers, Status};
