@@ -65,13 +65,16 @@ pub struct Camif<'m> {
     pub(super) fifo: Fifo,
 
     pub(super) dma: BurstDma<'m>,
-    /// Clock at which the pending request is granted.
-    pub(super) grant_at: Option<u64>,
+    /// Clock at which the pending request is granted; [`NEVER`] without one.
+    pub(super) grant_at: u64,
     /// Requests made so far.
     pub(super) requests: u64,
     /// A request that was withdrawn still holds the bus until then.
     pub(super) bus_busy_until: u64,
 }
+
+/// No request is pending.
+pub(super) const NEVER: u64 = u64::MAX;
 
 /// Levels of the block's interrupt lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -136,7 +139,7 @@ impl Camif<'_> {
             packer: Packer::default(),
             fifo: Fifo::default(),
             dma: BurstDma::default(),
-            grant_at: None,
+            grant_at: NEVER,
             requests: 0,
             bus_busy_until: 0,
         }
@@ -178,7 +181,9 @@ impl Camif<'_> {
     #[inline]
     pub fn step(&mut self, pins: Pins) {
         self.clock += 1;
-        self.grant();
+        if self.grant_at <= self.clock {
+            self.grant();
+        }
         if self.control.enable() {
             if self.control.embedded_sync() {
                 self.embedded(pins);
@@ -191,17 +196,17 @@ impl Camif<'_> {
                 }
             }
         }
-        self.request();
+        if !self.fifo.is_empty() {
+            self.request();
+        }
     }
 
     /// Bus time passes while the pixel clock stands still.
     pub fn elapse(&mut self, clocks: u64) {
         let end = self.clock + clocks;
         self.request();
-        while let Some(at) = self.grant_at
-            && at <= end
-        {
-            self.clock = self.clock.max(at);
+        while self.grant_at <= end {
+            self.clock = self.clock.max(self.grant_at);
             self.grant();
             self.request();
         }
@@ -234,15 +239,14 @@ impl Camif<'_> {
         }
     }
 
+    /// The pending request is granted: a burst moves.
     fn grant(&mut self) {
-        if self.grant_at.is_some_and(|at| at <= self.clock) {
-            self.grant_at = None;
-            for _ in 0..self.dma.burst_words() {
-                let Some((word, last)) = self.fifo.pop() else { break };
-                self.dma.store(word, last);
-                if last {
-                    break;
-                }
+        self.grant_at = NEVER;
+        for _ in 0..self.dma.burst_words() {
+            let Some((word, last)) = self.fifo.pop() else { break };
+            self.dma.store(word, last);
+            if last {
+                break;
             }
         }
     }
@@ -255,12 +259,12 @@ impl Camif<'_> {
             && (self.fifo.len() >= self.dma.burst_words() as usize || self.fifo.holds_last())
     }
 
-    #[inline]
+    /// Asks for the bus, if a burst is due and no request is pending.
     fn request(&mut self) {
-        if self.grant_at.is_none() && self.wants_bus() {
+        if self.grant_at == NEVER && self.wants_bus() {
             let delay = self.bus.delay(self.requests);
             self.requests += 1;
-            self.grant_at = Some((self.clock + 1 + u64::from(delay)).max(self.bus_busy_until));
+            self.grant_at = (self.clock + 1 + u64::from(delay)).max(self.bus_busy_until);
         }
     }
 
@@ -319,8 +323,9 @@ impl Camif<'_> {
 
     /// Takes a pending request back; the bus is not free any sooner for it.
     pub(super) fn withdraw_request(&mut self) {
-        if let Some(at) = self.grant_at.take() {
-            self.bus_busy_until = at;
+        if self.grant_at != NEVER {
+            self.bus_busy_until = self.grant_at;
+            self.grant_at = NEVER;
         }
     }
 }

@@ -47,10 +47,10 @@ impl<'m> BurstDma<'m> {
         self.control.burst().map_or(1, Burst::words)
     }
 
+    #[inline]
     pub(super) fn interrupt(&self) -> bool {
-        (self.status.half() && self.control.half_interrupt())
-            || (self.status.complete() && self.control.complete_interrupt())
-            || (self.status.error() && self.control.error_interrupt())
+        // Each flag stands in the same bit as its enable.
+        self.status.raw_value() & self.control.raw_value() & DmaStatus::MASK != 0
     }
 
     /// Index of the target in use.

@@ -9,7 +9,7 @@
 //!   Then every burst goes the same way and only the last one is left in the FIFO, so the rest is one copy. Where the bus
 //!   may be later than that, `step` plays each clock.
 
-use super::block::Camif;
+use super::block::{Camif, NEVER};
 use super::pins::{Pins, Samples, Sync};
 use super::selection::{ALL_BYTES, Selection};
 
@@ -55,7 +55,7 @@ impl Camif<'_> {
     }
 
     fn idle(&mut self, clocks: usize) -> usize {
-        if self.grant_at.is_some() || self.wants_bus() {
+        if self.grant_at != NEVER || self.wants_bus() {
             return 0;
         }
         self.clock += clocks as u64;
@@ -78,16 +78,17 @@ impl Camif<'_> {
             return 0;
         }
         // Words that wait: none, or one whole burst whose grant comes before the next word.
-        let waiting = match self.grant_at {
-            Some(at)
-                if at <= self.clock + u64::from(per_word)
-                    && self.fifo.len() as u32 == burst
-                    && !self.fifo.holds_last() =>
-            {
-                burst
+        let waiting = if self.grant_at == NEVER {
+            if !self.fifo.is_empty() || self.bus_busy_until > self.clock {
+                return 0;
             }
-            None if self.fifo.is_empty() && self.bus_busy_until <= self.clock => 0,
-            _ => return 0,
+            0
+        } else {
+            let soon = self.grant_at <= self.clock + u64::from(per_word);
+            if !soon || self.fifo.len() as u32 != burst || self.fifo.holds_last() {
+                return 0;
+            }
+            burst
         };
         // `stored` words go to memory: those that wait and all that come, but for the last burst.
         let available = samples.len() as u32 / per_word;
@@ -135,7 +136,7 @@ impl Camif<'_> {
         self.bytes_in_line += words * 4;
         self.clock += clocks as u64;
         self.requests += bursts;
-        self.grant_at = Some(self.clock + 1 + u64::from(self.bus.delay(self.requests - 1)));
+        self.grant_at = self.clock + 1 + u64::from(self.bus.delay(self.requests - 1));
         clocks
     }
 }

@@ -118,6 +118,7 @@ fn act() -> impl Strategy<Value = Act> {
         3 => Just(Act::Acknowledge),
         1 => (prop::sample::select(&Register::ALL[..]), any::<u32>()).prop_map(|(register, value)| Act::Write(register, value)),
         1 => prop::sample::select(&Register::ALL[..]).prop_map(Act::Read),
+        1 => prop::sample::select(vec![0, 0x0201, 0x1201, 0x2217]).prop_map(|dma| Act::Write(Register::DmaControl, dma)),
     ]
 }
 
