@@ -2,3 +2,5 @@
 #![forbid(unsafe_code)]
 
 pub mod profile;
+pub mod scene;
+pub mod picture;
