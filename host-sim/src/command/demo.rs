@@ -1,0 +1,60 @@
+use std::path::PathBuf;
+
+use anyhow::{Context, ensure};
+use clap::Args;
+use firmware::camif::Bus;
+
+use super::Outcome;
+use super::generate::generate;
+use super::replay::replay;
+use super::source::Source;
+use crate::picture;
+use crate::profile::{DEFAULT, Profile};
+use crate::scene::Scene;
+
+/// Options of `demo`.
+#[derive(Debug, Args)]
+pub struct Demo {
+    /// Folder for the pictures and the trace
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Built-in profile or TOML file
+    #[arg(long, default_value = DEFAULT)]
+    profile: String,
+    /// Frames to take
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..))]
+    frames: u64,
+    /// Prints one JSON object on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+impl Demo {
+    pub(super) fn run(&self) -> anyhow::Result<Outcome> {
+        let profile = Profile::find(&self.profile)?;
+        let scene = Scene::named("demo", 0)?;
+        std::fs::create_dir_all(&self.out)
+            .with_context(|| format!("{}: the folder cannot be made", self.out.display()))?;
+        let path = self.out.join("demo.camt");
+        let mut sent = Vec::new();
+        let created = generate(&profile, &scene, self.frames, &path, &mut |_, bytes| sent.push(picture::crc32(bytes)))?;
+        let source = Source::open(&created.path, None, None)?;
+        let report = replay(&source, Bus::IDEAL, Some(&self.out))?;
+        let received: Vec<_> = report.frames.iter().filter_map(|frame| frame.crc32).collect();
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&report)?);
+        } else {
+            println!("scene ─► virtual sensor ─► trace ─► camera interface ─► driver ─► pictures\n\n{report}");
+        }
+        ensure!(
+            received == sent,
+            "the frames received are not those sent; this is a bug: please report it with {}",
+            created.path.display()
+        );
+        if !self.json {
+            println!("verified       every frame received is, byte by byte, the frame that was sent");
+            println!("pictures       {} (and the trace, demo.camt)", self.out.join("frame-0000.png").display());
+        }
+        Ok(if report.is_good() { Outcome::Fine } else { Outcome::Fault })
+    }
+}

@@ -1,0 +1,57 @@
+//! The commands of `host-sim`.
+//!
+//! | file | what lives there |
+//! |---|---|
+//! | `demo` | scene → trace → block → driver → pictures and a table, with nothing attached |
+//! | `generate` | a scene or picture becomes a trace |
+//! | `replay` | a trace becomes frames |
+//! | `source` | opening a trace by a profile |
+//! | `report` | what came of a replay, for people and as JSON |
+//! | `progress` | bars on stderr |
+
+mod demo;
+mod generate;
+mod progress;
+mod replay;
+mod report;
+mod source;
+
+pub use demo::Demo;
+pub use generate::Generate;
+pub use replay::Replay;
+
+use clap::Subcommand;
+
+/// What came of a command: the exit status says it as 0 or 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// All is well.
+    Fine,
+    /// A fault was found.
+    Fault,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Take a scene through trace, camera interface and driver to pictures; needs nothing
+    Demo(Demo),
+    /// Make a timing trace of a scene or a picture file
+    Generate(Generate),
+    /// Play a trace into the camera interface and receive its frames
+    Replay(Replay),
+}
+
+impl Command {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Bad usage or input: one line that names the file, the place and the remedy.
+    pub fn run(&self) -> anyhow::Result<Outcome> {
+        match self {
+            Self::Demo(demo) => demo.run(),
+            Self::Generate(generate) => generate.run(),
+            Self::Replay(replay) => replay.run(),
+        }
+    }
+}

@@ -1,0 +1,81 @@
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Context;
+use clap::Args;
+
+use super::report::{Collector, Report};
+use super::source::Source;
+use super::{Outcome, progress};
+use crate::receiver::{capture_config, parse_bus, receive};
+
+/// Options of `replay`.
+#[derive(Debug, Args)]
+pub struct Replay {
+    /// The trace: .camt or .vcd, told apart by content
+    trace: PathBuf,
+    /// Built-in profile or TOML file; without it the one that the trace carries
+    #[arg(long)]
+    profile: Option<String>,
+    /// Which signals are the wires, for instance PCLK=CH0,HSYNC=CH1,D0=CH3
+    #[arg(long, value_name = "WIRE=SIGNAL,…")]
+    map: Option<String>,
+    /// Pixel clocks from DMA request to grant: MIN or MIN..MAX, then ,stall=CLOCKS/ONE_IN and ,seed=N
+    #[arg(long, value_name = "LATENCY", default_value = "0")]
+    bus_latency: String,
+    /// Writes each frame as PNG and raw bytes to this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Prints one JSON object on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+impl Replay {
+    pub(super) fn run(&self) -> anyhow::Result<Outcome> {
+        let bus = parse_bus(&self.bus_latency)?;
+        let source = Source::open(&self.trace, self.profile.as_deref(), self.map.as_deref())?;
+        if let Some(out) = &self.out {
+            std::fs::create_dir_all(out)
+                .with_context(|| format!("{}: the folder cannot be made", out.display()))?;
+        }
+        let report = replay(&source, bus, self.out.as_deref())?;
+        if self.json {
+            println!("{}", serde_json::to_string_pretty(&report)?);
+        } else {
+            println!("{report}");
+            if let Some(out) = &self.out {
+                println!("pictures       {}", out.display());
+            }
+        }
+        Ok(if report.is_good() { Outcome::Fine } else { Outcome::Fault })
+    }
+}
+
+/// Plays a source into block and driver.
+pub(super) fn replay(
+    source: &Source,
+    bus: firmware::camif::Bus,
+    out: Option<&std::path::Path>,
+) -> anyhow::Result<Report> {
+    let profile = &source.profile;
+    let bar = progress::bytes("replay", source.trace.info().file_bytes);
+    let mut collector = Collector::new(profile, out);
+    let started = Instant::now();
+    let (played, summary) = receive(
+        &capture_config(profile),
+        bus,
+        &mut |frame| collector.take(&frame),
+        |receiver| source.play(receiver, &mut |bytes| bar.set_position(bytes)),
+    )
+    .with_context(|| format!("profile {}", profile.name))?;
+    let seconds = started.elapsed().as_secs_f64();
+    bar.finish_and_clear();
+    let played = played?;
+    if let Some(error) = collector.error {
+        return Err(error.into());
+    }
+    let mut report = Report::new(source.trace.path(), profile, collector.frames, &summary, seconds);
+    report.unknown_levels = played.unknown;
+    Ok(report)
+}

@@ -1,0 +1,21 @@
+//! The receiving end: the block, its driver and its memory, fed with stretches of pins.
+//!
+//! ```text
+//! stretches ─► Camif::run ─► interrupt ─► FrameCamera::on_interrupt ─► frame ─► caller
+//!                   ▲ pins                        ▲ registers, DMA
+//!                   └──────── the same code as on the microcontroller ──────┘
+//! ```
+//!
+//! | file | what lives there |
+//! |---|---|
+//! | `config` | what the driver must know, out of a profile |
+//! | `bus` | the memory bus, out of `--bus-latency` |
+//! | `receive` | [`receive`]: plays a source into block and driver, and hands out frames |
+
+mod config;
+mod bus;
+mod receive;
+
+pub use bus::{BusSyntaxError, parse_bus};
+pub use config::capture_config;
+pub use receive::{Received, Receiver, Summary, receive};
