@@ -3,3 +3,5 @@
 
 pub mod camif;
 pub mod port;
+pub mod buffers;
+pub mod driver;
