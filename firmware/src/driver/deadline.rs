@@ -49,6 +49,11 @@ pub struct Evidence {
 }
 
 impl Evidence {
+    /// Nothing seen yet of frames of so many words.
+    pub(super) fn expecting(words: u32) -> Self {
+        Self { words_expected: words, ..Self::default() }
+    }
+
     /// Takes note of the pins.
     pub(super) fn look(&mut self, status: Status) {
         let levels = (status.hsync(), status.vsync());

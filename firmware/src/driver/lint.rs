@@ -10,7 +10,7 @@ use super::chunks::{IN_FLIGHT, Plan};
 use super::config::{Config, Crop, LineSelect, Policy, SyncMode};
 pub use super::findings::{Code, Finding, Severity};
 use crate::camif::Part;
-use crate::camif::registers::{Burst, BusWidth, ByteSelect, Control, FrameRate};
+use crate::camif::registers::{BusWidth, ByteSelect, Control, FrameRate};
 
 /// How memory is filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -202,14 +202,11 @@ pub(super) fn first_error(config: &Config, part: &Part, layout: Layout) -> Optio
     lint(config, part, layout).find(|finding| finding.severity == Severity::Error)
 }
 
-/// Bursts from the one that tolerates most to the one that loads the bus least.
-pub(super) const BURSTS: [Burst; 3] = [Burst::One, Burst::Two, Burst::Four];
-
 #[cfg(test)]
 mod tests {
     use super::super::config::tests::{GATED, MARKER};
     use super::*;
-    use crate::camif::registers::SyncCodes;
+    use crate::camif::registers::{Burst, SyncCodes};
 
     fn codes(config: &Config, part: &Part, layout: Layout) -> Vec<Code> {
         lint(config, part, layout).map(|finding| finding.code).collect()
@@ -349,7 +346,7 @@ mod tests {
             ..Config::new(GATED, 64, 16)
         };
         let fits = |burst| lint(&Config { burst, ..config }, &Part::CAMIF, Layout::Frames).next().is_none();
-        assert_eq!(BURSTS.map(fits), [true, false, false]);
+        assert_eq!([Burst::One, Burst::Two, Burst::Four].map(fits), [true, false, false]);
     }
 
     #[test]

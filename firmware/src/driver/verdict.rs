@@ -140,52 +140,9 @@ impl Statistics {
     }
 }
 
-/// Lines of the frame in progress, as they end.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct LineMeter {
-    lines: u32,
-    least: u32,
-    most: u32,
-}
-
-impl LineMeter {
-    /// A line has ended. Lines without data (in vertical blanking, or outside the crop window) don't count.
-    pub(super) fn line(&mut self, bytes: u32) {
-        if bytes > 0 {
-            self.least = if self.lines == 0 { bytes } else { self.least.min(bytes) };
-            self.most = self.most.max(bytes);
-            self.lines = self.lines.saturating_add(1);
-        }
-    }
-
-    /// Lines so far.
-    pub(super) fn lines(&self) -> u32 {
-        self.lines
-    }
-
-    /// Least and most bytes a line; the mean where lines were not measured.
-    pub(super) fn extremes(&self, bytes: u32, lines: u32) -> (u32, u32) {
-        if self.lines > 0 {
-            return (self.least, self.most);
-        }
-        let lines = lines.max(1);
-        (bytes / lines, bytes.div_ceil(lines))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lines_are_metered() {
-        let mut meter = LineMeter::default();
-        assert_eq!(meter.extremes(103, 10), (10, 11), "no line was measured");
-        for bytes in [0, 8, 6, 9, 0] {
-            meter.line(bytes);
-        }
-        assert_eq!((meter.lines(), meter.extremes(23, 3)), (3, (6, 9)));
-    }
 
     #[test]
     fn a_verdict_reads_as_a_sentence() {
