@@ -165,6 +165,8 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
                 Phase::Running => self.uncaptured,
             };
             self.tally.vsync(after);
+            // Lines before this were measured for a frame that ended, or for one that was lost on the way.
+            self.meter = Meter::default();
         }
         if self.phase == Phase::Flushing {
             self.restart();
@@ -182,7 +184,13 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         if events.error() {
             return Err(Outcome::SyncError);
         }
+        let stood_before_last = self.filling.is_some_and(|filling| filling.window + 1 < self.plan.count);
         self.advance()?;
+        let reached_last = self.filling.is_none_or(|filling| filling.window + 1 == self.plan.count);
+        if self.plan.seamless && events.frame() && stood_before_last && reached_last {
+            // What follows the frame had to be decided before its end, and the DMA did not wait for it.
+            return Err(Outcome::LateInterrupt);
+        }
         if events.line() {
             let bytes =
                 if self.engine.has_counters() { self.engine.line_bytes() } else { self.position() * 4 };
@@ -245,7 +253,10 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             self.engine.aim_free(slot, self.plan.start(1))?;
         }
         match full.ended {
-            Some(verdict) => self.finish(full.slot, verdict),
+            Some(verdict) => {
+                let finished = self.finish(full.slot, verdict);
+                return finished.inspect_err(|&outcome| self.tally.lose(outcome));
+            }
             None => {
                 if let Some(slot) = self.transferred.replace(full.slot) {
                     self.pool.abandon(usize::from(slot));
@@ -257,14 +268,20 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
     }
 
     /// A good frame is whole in memory.
-    pub(super) fn finish(&mut self, slot: u8, verdict: Verdict) {
+    pub(super) fn finish(&mut self, slot: u8, verdict: Verdict) -> Result<(), Outcome> {
+        let last = self.filling.is_none();
+        if last && self.plan.seamless && self.engine.moved() > 0 {
+            // Capture was told too late to stop behind it, and the DMA is in its buffer again.
+            self.pool.abandon(usize::from(slot));
+            return Err(Outcome::LateInterrupt);
+        }
         self.pool.finish(usize::from(slot), verdict);
         (self.fresh, self.pending) = (true, false);
-        if self.filling.is_none() {
-            // Capture was told to stop behind it, or stops by itself.
+        if last {
             self.engine.stop_dma();
             self.restart();
         }
+        Ok(())
     }
 
     /// Gives up all that is in flight.

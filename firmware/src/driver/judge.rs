@@ -77,8 +77,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         }
         let Some(filling) = self.filling.take() else { return Err(Outcome::LateInterrupt) };
         self.engine.stop_dma();
-        self.finish(filling.slot, verdict);
-        Ok(())
+        self.finish(filling.slot, verdict)
     }
 
     /// The verdict by the counters.
@@ -99,8 +98,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
     /// A good frame has ended: it is ready as soon as its last word is in memory.
     fn whole(&mut self, verdict: Verdict) -> Result<(), Outcome> {
         if let Some(slot) = self.transferred.take() {
-            self.finish(slot, verdict);
-            return Ok(());
+            return self.finish(slot, verdict);
         }
         let missing = self.expected.words.saturating_sub(self.position());
         match &mut self.filling {
