@@ -116,7 +116,7 @@ pub struct Config {
     pub jpeg: bool,
     /// Which frames are captured.
     pub frame_rate: FrameRate,
-    /// Words a DMA burst.
+    /// Words a DMA burst, at most: a shorter one is used where it would not divide a transfer.
     pub burst: Burst,
     /// What happens when no buffer is free.
     pub policy: Policy,

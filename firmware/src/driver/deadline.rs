@@ -11,7 +11,6 @@ use core::fmt;
 
 use super::verdict::Outcome;
 use crate::camif::registers::Status;
-use crate::port::DmaError;
 
 /// What was seen since capture was started, or since the last frame that was handed out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,8 +41,8 @@ pub struct Evidence {
     pub no_buffer: bool,
     /// Capture is not running: it was not started or asked for, or it was stopped.
     pub stopped: bool,
-    /// The DMA refused to start.
-    pub refused: Option<DmaError>,
+    /// The DMA refused to start again.
+    pub refused: bool,
     /// Levels of HSYNC and VSYNC when last looked at.
     levels: Option<(bool, bool)>,
 }
@@ -75,7 +74,7 @@ impl Evidence {
     pub fn cause(&self) -> Cause {
         let silent = self.vsyncs == 0 && self.lines == 0 && !self.words_moved;
         match *self {
-            Self { refused: Some(error), .. } => Cause::Refused(error),
+            Self { refused: true, .. } => Cause::Refused,
             Self { stopped: true, .. } => Cause::Stopped,
             Self { no_buffer: true, .. } => Cause::NoBuffer,
             // Overruns without a word moved: the bus did not slow down, it stands still.
@@ -132,8 +131,8 @@ pub enum Cause {
     NoBuffer,
     /// Capture is not running.
     Stopped,
-    /// The DMA refused to start.
-    Refused(DmaError),
+    /// The DMA refused to start again.
+    Refused,
 }
 
 impl fmt::Display for Cause {
@@ -168,7 +167,7 @@ impl fmt::Display for Cause {
             }
             Self::NoBuffer => write!(f, "capture waits for a buffer, and all are leased; drop one"),
             Self::Stopped => write!(f, "capture is not running; start it, or ask for a snapshot"),
-            Self::Refused(error) => write!(f, "the DMA refused to start: {error}"),
+            Self::Refused => write!(f, "the DMA refused to start again; stop and start to see why"),
         }
     }
 }

@@ -9,11 +9,18 @@ use core::marker::PhantomData;
 use super::config::Config;
 use super::verdict::Outcome;
 use crate::camif::FIFO_WORDS;
-use crate::camif::registers::{Control, DmaMode, Events, Register, Status};
+use crate::camif::registers::{Burst, Control, DmaMode, Events, Register, Status};
 use crate::port::{DmaError, DmaEvents, Port, Target, Transfer};
 
 /// Times that the FIFO's state is read, at most, while the DMA empties it after a frame's end. On silicon some 10 µs.
 pub(super) const POLLS: u32 = 256;
+
+/// The longest burst, up to `most`, that divides a transfer: no burst straddles two of them, which DMA controllers forbid
+/// (RM0090 §10.3.11 has the count be a multiple of the burst).
+pub(super) fn even_burst(most: Burst, words: u32) -> Burst {
+    let divides = |burst: &Burst| burst.words() <= most.words() && words.is_multiple_of(burst.words());
+    [Burst::Four, Burst::Two].into_iter().find(divides).unwrap_or(Burst::One)
+}
 
 /// A camera interface, and what the driver knows of its state.
 #[derive(Debug)]

@@ -18,7 +18,7 @@ pub enum StartError {
         /// Words needed. More than a frame where equal transfers do not fill it.
         needed: u64,
         /// Words that it has.
-        words: usize,
+        words: u32,
     },
     /// The DMA was already lent memory in this slot.
     SlotTaken {

@@ -25,7 +25,7 @@ use crate::port::{Port, SLOTS};
 pub struct FrameCamera<'m, P, const N: usize> {
     shared: Shared<Frames<'m, P, N>>,
     /// The shortest buffer and its words.
-    shortest: (usize, usize),
+    shortest: (u8, u32),
 }
 
 impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
@@ -35,10 +35,12 @@ impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
     /// [`StartError::SlotTaken`] if the port already holds memory.
     pub fn new(mut port: P, buffers: [&'m mut [u32]; N]) -> Result<Self, StartError> {
         const { assert!(N >= 1 && N <= SLOTS, "a camera takes 1 to 8 buffers") };
-        let mut shortest = (0, usize::MAX);
+        let mut shortest = (0, u32::MAX);
         for (slot, buffer) in buffers.into_iter().enumerate() {
-            if buffer.len() < shortest.1 {
-                shortest = (slot, buffer.len());
+            // A transfer reaches no further than 2²⁸ words, so a longer buffer counts as that.
+            let words = u32::try_from(buffer.len()).unwrap_or(u32::MAX);
+            if words < shortest.1 {
+                shortest = (slot as u8, words);
             }
             port.lend(slot, buffer).map_err(|_| StartError::SlotTaken { slot })?;
         }
@@ -60,8 +62,12 @@ impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
             }
             let plan = frame_plan(config, part.transfer_limit).unwrap_or_default();
             let (buffer, words) = self.shortest;
-            if plan.room() > words as u64 {
-                return Err(StartError::BufferTooSmall { buffer, needed: plan.room(), words });
+            if plan.room() > u64::from(words) {
+                return Err(StartError::BufferTooSmall {
+                    buffer: usize::from(buffer),
+                    needed: plan.room(),
+                    words,
+                });
             }
             frames.start(config, plan).map_err(StartError::Dma)
         })

@@ -17,7 +17,7 @@
 
 use super::chunks::Plan;
 use super::config::{Config, Damaged, Policy};
-use super::engine::{Engine, Progress};
+use super::engine::{Engine, Progress, even_burst};
 use super::meter::{Expectation, Meter};
 use super::tally::{Absence, Tally};
 use super::verdict::{Outcome, Verdict};
@@ -113,7 +113,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         self.transfer = Transfer {
             words: plan.chunk,
             mode: if plan.count > 1 { DmaMode::Double } else { DmaMode::Single },
-            burst: config.burst,
+            burst: even_burst(config.burst, plan.chunk),
             line_by_line: false,
             half_interrupt: false,
         };
@@ -129,8 +129,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             self.engine.capture(false);
             return Ok(());
         }
-        self.launch();
-        self.tally.evidence.refused.map_or(Ok(()), Err)
+        self.launch()
     }
 
     /// Stops at once. Frames that are ready are given up; leased ones stay.
@@ -316,19 +315,20 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             self.phase = Phase::Idle;
             self.tally.absence = Absence::Skipped;
         } else if self.engine.is_quiet() {
-            self.launch();
+            // A refusal is told to whoever waits.
+            let _ = self.launch();
         } else {
             self.phase = Phase::Flushing;
         }
     }
 
     /// Aims at a free buffer and lets the next frame in.
-    fn launch(&mut self) {
+    fn launch(&mut self) -> Result<(), DmaError> {
         self.meter = Meter::default();
         let Some(slot) = self.pool.claim() else {
             self.phase = Phase::Paused;
             self.tally.absence = Absence::Dropped;
-            return;
+            return Ok(());
         };
         let first = slot as u8;
         let aimed = self.engine.aim(Target::Zero, first, 0).and_then(|()| {
@@ -343,9 +343,11 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             Err(error) => {
                 self.pool.abandon(slot);
                 self.stop();
-                self.tally.evidence.refused = Some(error);
+                self.tally.evidence.refused = true;
+                return Err(error);
             }
         }
+        Ok(())
     }
 
     /// Asks for a snapshot.

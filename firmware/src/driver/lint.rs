@@ -170,8 +170,9 @@ fn frame_rate(config: &Config, part: &Part, layout: Layout) -> Option<Code> {
 
 fn line_transfer(config: &Config, part: &Part, layout: Layout) -> Option<Code> {
     let words = config.geometry().line_words();
-    (layout == Layout::Lines && words > part.transfer_limit)
-        .then_some(Code::LineTransfer { words, limit: part.transfer_limit })
+    // Line by line, the words of a line are told in 16 bits.
+    let limit = if part.line_by_line { part.transfer_limit.min(0xFFFF) } else { part.transfer_limit };
+    (layout == Layout::Lines && words > limit).then_some(Code::LineTransfer { words, limit })
 }
 
 fn line_alignment(config: &Config, part: &Part, layout: Layout) -> Option<Code> {

@@ -15,8 +15,11 @@ mod error;
 mod shared;
 mod frame_camera;
 mod frame;
+mod lines;
+mod line_camera;
 #[cfg(test)]
 mod tests;
 pub use error::StartError;
 pub use frame::{Frame, crc32};
 pub use frame_camera::{FrameCamera, frame_plan};
+pub use line_camera::{Line, LineCamera, LineEvent};

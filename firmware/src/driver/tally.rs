@@ -105,14 +105,19 @@ impl Tally {
         self.evidence.lines = self.evidence.lines.saturating_add(1);
     }
 
-    /// A frame is handed out: its verdict says what was missed before it, and a wait starts anew.
+    /// A frame is handed to the consumer.
     pub(super) fn deliver(&mut self, verdict: &mut Verdict) {
+        self.statistics.delivered = self.statistics.delivered.wrapping_add(1);
+        self.hand_out(verdict);
+    }
+
+    /// A verdict is handed out: it says what was missed before it, and a wait starts anew.
+    pub(super) fn hand_out(&mut self, verdict: &mut Verdict) {
         verdict.dropped_before = verdict.sequence.wrapping_sub(self.next);
         // The verdict holds the sum since the start until now.
         let overruns = verdict.overruns;
         verdict.overruns = overruns.wrapping_sub(self.overruns_before);
         (self.next, self.overruns_before) = (verdict.sequence.wrapping_add(1), overruns);
-        self.statistics.delivered = self.statistics.delivered.wrapping_add(1);
         self.evidence = Evidence::expecting(self.evidence.words_expected);
     }
 }

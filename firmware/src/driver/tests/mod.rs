@@ -1,6 +1,7 @@
 //! The driver on the model: a sender plays frames on the wires, a bench calls the handler when an interrupt line is high.
 
 mod frames;
+mod lines;
 mod overrun;
 
 use core::cell::RefCell;
