@@ -102,6 +102,7 @@ impl Profile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profile::Choice as _;
 
     #[test]
     fn every_file_of_the_folder_is_in_the_table_and_right() {
@@ -141,5 +142,45 @@ mod tests {
         assert!(error.contains("mine.toml: line 4: ") && error.contains("\"gray8\""), "{error}");
         std::fs::write(&path, [0xFF, 0xFE]).unwrap();
         assert!(matches!(Profile::read(&path), Err(ProfileError::Read { .. })), "not text");
+    }
+
+    /// A number with commas, as documents write it.
+    fn grouped(number: u64) -> String {
+        let digits = number.to_string();
+        let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
+        groups.join(",")
+    }
+
+    #[test]
+    fn the_document_has_every_profile_with_its_numbers() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/profiles.md");
+        let document = std::fs::read_to_string(path).unwrap();
+        for profile in built_ins() {
+            let Profile { name, bus, frame, .. } = &profile;
+            let row = format!(
+                "| `{name}` | {} | {} bits | {} × {} `{}` | {} | {} | {} | {} | {:.2} |",
+                bus.sync.name(),
+                bus.bits,
+                frame.width,
+                frame.height,
+                frame.format.name(),
+                grouped(profile.bytes_per_line().into()),
+                grouped(profile.clocks_per_line()),
+                grouped(profile.clocks_per_frame()),
+                grouped(profile.words_per_frame()),
+                profile.frames_per_second(),
+            );
+            assert!(document.contains(&row), "docs/profiles.md lacks this row:\n{row}");
+        }
+    }
+
+    #[test]
+    fn the_documents_defaults_are_those_of_the_reader() {
+        let defaults = "[bus]\nbits = 8\nclock_edge = \"rising\"\nsync = \"gated\"\nhsync_blank = \"high\"\n\
+                        vsync_blank = \"high\"\n[timing]\npclk_hz = 24_000_000\nhblank = 16\nvblank = 88\n\
+                        vfront = 0\nvback = 0\n";
+        let frame = "[frame]\nwidth = 8\nheight = 4\nformat = \"raw8\"\n";
+        let written_out = Profile::from_toml(&format!("{frame}bayer = \"rggb\"\n{defaults}")).unwrap();
+        assert_eq!(Profile::from_toml(frame).unwrap(), written_out);
     }
 }

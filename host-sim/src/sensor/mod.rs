@@ -30,3 +30,5 @@ pub use player::{PlayError, Sensor};
 mod receive;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod on_block;
