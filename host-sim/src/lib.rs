@@ -7,10 +7,12 @@
 //! | [`profile`] | what the wires of a camera mean, what a frame holds and how fast it comes |
 //! | [`scene`] | what a virtual camera looks at |
 //! | [`sensor`] | a picture becomes pixel clocks |
+//! | [`trace`] | pixel clocks in files, written and read |
 //! | [`picture`] | the bytes of a frame become a picture; files in and out |
 #![forbid(unsafe_code)]
 
 pub mod profile;
 pub mod scene;
 pub mod sensor;
+pub mod trace;
 pub mod picture;

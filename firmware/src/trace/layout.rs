@@ -85,14 +85,14 @@ pub struct Header {
 impl Header {
     /// The header as bytes.
     #[must_use]
-    pub fn to_bytes<C: Checksum>(&self) -> [u8; HEADER_BYTES] {
+    pub fn to_bytes(&self, checksum: Checksum) -> [u8; HEADER_BYTES] {
         let mut bytes = [0; HEADER_BYTES];
         bytes[..4].copy_from_slice(&MAGIC);
         bytes[4] = VERSION;
         bytes[5] = self.bus_bits;
         bytes[6] = u8::from(self.vsync_active);
         bytes[8..12].copy_from_slice(&self.pclk_hz.to_le_bytes());
-        let crc = C::crc32(&bytes[..12]);
+        let crc = checksum(&bytes[..12]);
         bytes[12..].copy_from_slice(&crc.to_le_bytes());
         bytes
     }
@@ -101,11 +101,11 @@ impl Header {
     ///
     /// # Errors
     /// [`Problem::Magic`], [`Problem::Version`], [`Problem::Damaged`] or [`Problem::Header`].
-    pub fn from_bytes<C: Checksum>(bytes: &[u8; HEADER_BYTES]) -> Result<Self, Problem> {
+    pub fn from_bytes(bytes: &[u8; HEADER_BYTES], checksum: Checksum) -> Result<Self, Problem> {
         if bytes[..4] != MAGIC {
             return Err(Problem::Magic);
         }
-        if C::crc32(&bytes[..12]) != u32_at(bytes, 12) {
+        if checksum(&bytes[..12]) != u32_at(bytes, 12) {
             return Err(Problem::Damaged);
         }
         if bytes[4] != VERSION {

@@ -8,12 +8,12 @@
 //! stretches delivered before an error are a true beginning of the trace. Memory is the lent [`ChunkBuffer`] and some
 //! 100 bytes. The one copy is that of `Read` into the buffer.
 
-use core::marker::PhantomData;
+use core::borrow::BorrowMut;
 
 use embedded_io::{Read, ReadExactError};
 
 use super::StretchSink;
-use super::checksum::{Checksum, SmallTable};
+use super::checksum::{Checksum, small_table};
 use super::error::{Error, Problem};
 use super::layout::{
     CHUNK_BYTES, CHUNK_HEAD, CHUNK_TAIL, ChunkBuffer, ChunkType, FLAG_SKIPPABLE, HEADER_BYTES, Header,
@@ -42,11 +42,11 @@ pub enum PlayError<E, S> {
     Sink(S),
 }
 
-/// Reads a trace, a chunk at a time. `C` computes the checksums.
+/// Reads a trace, a chunk at a time. `B` is the buffer: lent, boxed or given.
 #[derive(Debug)]
-pub struct Reader<'b, R, C = SmallTable> {
+pub struct Reader<R, B> {
     pub(super) inner: R,
-    buffer: &'b mut ChunkBuffer,
+    buffer: B,
     header: Header,
     /// Of the next chunk in the file.
     pub(super) offset: u64,
@@ -58,7 +58,7 @@ pub struct Reader<'b, R, C = SmallTable> {
     /// Number of the next clock.
     clock: u64,
     pub(super) progress: Progress,
-    checksum: PhantomData<C>,
+    checksum: Checksum,
 }
 
 /// What has been seen of a file, to check that nothing is missing.
@@ -86,15 +86,23 @@ pub(super) enum State {
     Failed,
 }
 
-impl<'b, R: Read, C: Checksum> Reader<'b, R, C> {
+impl<R: Read, B: BorrowMut<ChunkBuffer>> Reader<R, B> {
     /// Reads the header.
     ///
     /// # Errors
     /// If there is none, or it is damaged, or of another version.
-    pub fn new(mut inner: R, buffer: &'b mut ChunkBuffer) -> Result<Self, Error<R::Error>> {
+    pub fn new(inner: R, buffer: B) -> Result<Self, Error<R::Error>> {
+        Self::with_checksum(inner, buffer, small_table)
+    }
+
+    /// Reads the header, with another way to compute CRC-32.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_checksum(mut inner: R, buffer: B, checksum: Checksum) -> Result<Self, Error<R::Error>> {
         let mut bytes = [0; HEADER_BYTES];
         read_exact(&mut inner, &mut bytes, 0)?;
-        let header = Header::from_bytes::<C>(&bytes).map_err(|problem| problem.at(0))?;
+        let header = Header::from_bytes(&bytes, checksum).map_err(|problem| problem.at(0))?;
         Ok(Self {
             inner,
             buffer,
@@ -105,7 +113,7 @@ impl<'b, R: Read, C: Checksum> Reader<'b, R, C> {
             end: 0,
             clock: 0,
             progress: Progress::default(),
-            checksum: PhantomData,
+            checksum,
         })
     }
 
@@ -169,7 +177,7 @@ impl<'b, R: Read, C: Checksum> Reader<'b, R, C> {
     /// clock is checked and the records are made ready.
     fn next_chunk(&mut self) -> Result<Option<ChunkType>, Error<R::Error>> {
         let (at, end) = (CHUNK_HEAD, self.load_chunk()?);
-        let bytes = self.buffer.bytes();
+        let bytes = self.buffer.borrow().bytes();
         let Some(kind) = ChunkType::from_code(bytes[0]) else {
             if bytes[1] & FLAG_SKIPPABLE != 0 {
                 return Ok(None);
@@ -193,7 +201,7 @@ impl<'b, R: Read, C: Checksum> Reader<'b, R, C> {
     pub(super) fn load_chunk(&mut self) -> Result<usize, Error<R::Error>> {
         (self.at, self.end) = (0, 0);
         self.chunk_offset = self.offset;
-        let bytes = self.buffer.bytes_mut();
+        let bytes = self.buffer.borrow_mut().bytes_mut();
         let (head, rest) = bytes.split_at_mut(CHUNK_HEAD);
         read_exact(&mut self.inner, head, self.chunk_offset)?;
         let length = u16_at(head, 2);
@@ -202,7 +210,7 @@ impl<'b, R: Read, C: Checksum> Reader<'b, R, C> {
             return Err(Problem::ChunkLength { found: length }.at(self.chunk_offset));
         }
         read_exact(&mut self.inner, &mut rest[..usize::from(length) + CHUNK_TAIL], self.chunk_offset)?;
-        if C::crc32(&bytes[..end]) != u32_at(bytes, end) {
+        if (self.checksum)(&bytes[..end]) != u32_at(bytes, end) {
             return Err(Problem::Damaged.at(self.chunk_offset));
         }
         self.offset += (end + CHUNK_TAIL) as u64;
@@ -225,7 +233,7 @@ impl<'b, R: Read, C: Checksum> Reader<'b, R, C> {
 
     fn record(&mut self) -> Result<(Sync, Samples<'_>), Error<R::Error>> {
         let sample_bytes = self.header.sample_bytes();
-        let bytes = &self.buffer.bytes()[..self.end];
+        let bytes = &self.buffer.borrow().bytes()[..self.end];
         let (record, from, to) =
             Record::parse(bytes, self.at, sample_bytes).map_err(|problem| problem.at(self.chunk_offset))?;
         let clocks = u64::from(record.clocks);
@@ -233,7 +241,7 @@ impl<'b, R: Read, C: Checksum> Reader<'b, R, C> {
         let wide = sample_bytes == 2;
         if wide {
             // `from` and `to` are even: the payload starts so, and all that stands in it has an even length.
-            let words = self.buffer.0.get_mut(from / 2..to / 2).unwrap_or_default();
+            let words = self.buffer.borrow_mut().0.get_mut(from / 2..to / 2).unwrap_or_default();
             let mut all = 0;
             for word in &mut *words {
                 *word = u16::from_le(*word);
@@ -246,8 +254,8 @@ impl<'b, R: Read, C: Checksum> Reader<'b, R, C> {
         }
         self.clock += clocks;
         self.progress.state = State::Open;
-        let words = self.buffer.0.get(from / 2..to / 2).unwrap_or_default();
-        let bytes = self.buffer.bytes().get(from..to).unwrap_or_default();
+        let words = self.buffer.borrow().0.get(from / 2..to / 2).unwrap_or_default();
+        let bytes = self.buffer.borrow().bytes().get(from..to).unwrap_or_default();
         let samples = match (record.kind, wide) {
             (Kind::Literal, false) => Samples::Bytes(bytes),
             (Kind::Literal, true) => Samples::Words(words),
@@ -288,13 +296,13 @@ impl<'b, R: Read, C: Checksum> Reader<'b, R, C> {
 
     /// The payload of the chunk in the buffer.
     pub(super) fn payload(&self) -> &[u8] {
-        let bytes = self.buffer.bytes();
+        let bytes = self.buffer.borrow().bytes();
         bytes.get(CHUNK_HEAD..CHUNK_HEAD + usize::from(u16_at(bytes, 2))).unwrap_or_default()
     }
 
     /// The type byte of the chunk in the buffer.
     pub(super) fn chunk_type(&self) -> Option<ChunkType> {
-        ChunkType::from_code(self.buffer.bytes()[0])
+        ChunkType::from_code(self.buffer.borrow().bytes()[0])
     }
 
     /// The reader stands before the chunk at `offset`, whose first clock is `clock`.

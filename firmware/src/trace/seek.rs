@@ -8,16 +8,17 @@
 //! The chain is walked from the end, so a recorder needs room for the marks of one INDEX only. A jump costs one
 //! read an INDEX; files of a few thousand frames have about a hundred.
 
+use core::borrow::BorrowMut;
+
 use embedded_io::{Read, Seek, SeekFrom};
 
-use super::checksum::Checksum;
 use super::error::{Error, Problem};
 use super::layout::{
-    CHUNK_HEAD, CHUNK_TAIL, ChunkType, END_BYTES, HEADER_BYTES, INDEX_HEAD, MARK_BYTES, Mark, Totals, u64_at,
+    CHUNK_HEAD, CHUNK_TAIL, ChunkBuffer, ChunkType, END_BYTES, HEADER_BYTES, INDEX_HEAD, MARK_BYTES, Mark, Totals, u64_at,
 };
 use super::reader::{Progress, Reader, State};
 
-impl<R: Read + Seek, C: Checksum> Reader<'_, R, C> {
+impl<R: Read + Seek, B: BorrowMut<ChunkBuffer>> Reader<R, B> {
     /// Back to the first clock.
     ///
     /// # Errors

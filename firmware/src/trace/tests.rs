@@ -1,6 +1,6 @@
 //! Round trips, and everything that can happen to a file on its way.
 
-use super::checksum::SmallTable;
+use super::checksum::small_table;
 use super::layout::{CHUNK_BYTES, HEADER_BYTES};
 use super::*;
 use core::convert::Infallible;
@@ -60,7 +60,7 @@ fn header(bus_bits: u8) -> Header {
 
 fn write(bus_bits: u8, profile: &str, stretches: &Stretches) -> (Vec<u8>, Clocks, Totals) {
     let mut buffer = ChunkBuffer::new();
-    let mut writer: Writer<'_, _, SmallTable> =
+    let mut writer =
         Writer::new(VecSink(Vec::new()), header(bus_bits), profile, &mut buffer).unwrap();
     let mut clocks = Clocks::default();
     for (hsync, vsync, run) in stretches {
@@ -100,7 +100,7 @@ impl embedded_io::Write for VecSink {
 /// Profile, clocks and totals of a file.
 fn read(file: &[u8]) -> Result<(String, Clocks, Totals), Error<Infallible>> {
     let mut buffer = ChunkBuffer::new();
-    let mut reader: Reader<'_, _> = Reader::new(File(file, 0), &mut buffer)?;
+    let mut reader = Reader::new(File(file, 0), &mut buffer)?;
     let (mut profile, mut clocks, mut totals) = (String::new(), Clocks::default(), Totals::default());
     while let Some(item) = reader.next_item()? {
         match item {
@@ -157,7 +157,7 @@ proptest! {
             .collect();
         prop_assert_eq!(edges.len() as u64, totals.marks);
         let mut buffer = ChunkBuffer::new();
-        let mut reader: Reader<'_, _> = Reader::new(File(&file, 0), &mut buffer).unwrap();
+        let mut reader = Reader::new(File(&file, 0), &mut buffer).unwrap();
         for (number, &clock) in edges.iter().enumerate().rev() {
             prop_assert_eq!(reader.seek_mark(number as u64).unwrap().clock, clock as u64);
             let mut clocks = Clocks::default();
@@ -175,7 +175,7 @@ proptest! {
 
     #[test]
     fn noise_is_an_error(noise in proptest::collection::vec(any::<u8>(), 0..300), valid_head in any::<bool>()) {
-        let mut file = if valid_head { header(8).to_bytes::<SmallTable>().to_vec() } else { Vec::new() };
+        let mut file = if valid_head { header(8).to_bytes(small_table).to_vec() } else { Vec::new() };
         file.extend(noise);
         prop_assert!(read(&file).is_err());
     }
@@ -202,7 +202,7 @@ fn every_truncation_is_an_error_and_delivers_a_true_beginning() {
         let cut = &file[..length];
         let mut buffer = ChunkBuffer::new();
         let mut clocks = Clocks::default();
-        let result = match Reader::<'_, _, SmallTable>::new(File(cut, 0), &mut buffer) {
+        let result = match Reader::new(File(cut, 0), &mut buffer) {
             Ok(mut reader) => reader.play(&mut clocks),
             Err(error) => Err(PlayError::Read(error)),
         };
@@ -212,7 +212,7 @@ fn every_truncation_is_an_error_and_delivers_a_true_beginning() {
         );
         assert!(truncated, "{length}: {result:?}");
         assert!(whole.0.starts_with(&clocks.0));
-        let mut reader = match Reader::<'_, _, SmallTable>::new(File(cut, 0), &mut buffer) {
+        let mut reader = match Reader::new(File(cut, 0), &mut buffer) {
             Ok(reader) => reader,
             Err(_) => continue,
         };
@@ -228,7 +228,7 @@ fn every_flipped_bit_is_an_error() {
         flipped[bit / 8] ^= 1 << (bit % 8);
         assert!(read(&flipped).is_err(), "bit {bit}");
         let mut buffer = ChunkBuffer::new();
-        if let Ok(mut reader) = Reader::<'_, _, SmallTable>::new(File(&flipped, 0), &mut buffer) {
+        if let Ok(mut reader) = Reader::new(File(&flipped, 0), &mut buffer) {
             // A jump may pass by the damage, but then what follows is the frame or an error.
             let mut clocks = Clocks::default();
             if reader.seek_mark(1).is_ok() {
@@ -257,7 +257,7 @@ fn chunk(code: u8, flags: u8, payload: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::from([code, flags]);
     bytes.extend((payload.len() as u16).to_le_bytes());
     bytes.extend(payload);
-    let crc = <SmallTable as checksum::Checksum>::crc32(&bytes);
+    let crc = small_table(&bytes);
     bytes.extend(crc.to_le_bytes());
     bytes
 }
@@ -265,7 +265,7 @@ fn chunk(code: u8, flags: u8, payload: &[u8]) -> Vec<u8> {
 #[test]
 fn unknown_chunks_are_skipped_or_refused_as_they_say() {
     let end = chunk(b'E', 0, &Totals::default().to_bytes());
-    let head = header(8).to_bytes::<SmallTable>();
+    let head = header(8).to_bytes(small_table);
     assert!(read(&[&head[..], &chunk(b'x', layout::FLAG_SKIPPABLE, b"later"), &end].concat()).is_ok());
     let refused = read(&[&head[..], &chunk(b'x', 0, b"later"), &end].concat());
     assert_eq!(refused, Err(Problem::UnknownChunk { code: b'x' }.at(16)));
@@ -273,7 +273,7 @@ fn unknown_chunks_are_skipped_or_refused_as_they_say() {
 
 #[test]
 fn hostile_chunks_with_true_checksums_are_refused() {
-    let head = header(10).to_bytes::<SmallTable>();
+    let head = header(10).to_bytes(small_table);
     let data = |records: &[u8]| chunk(b'D', 0, &[&[0; 8], records].concat());
     let index = |before: u64, first: u64, marks: usize| {
         let mut payload = Vec::new();
@@ -305,7 +305,7 @@ fn hostile_chunks_with_true_checksums_are_refused() {
     let end = chunk(b'E', 0, &Totals { clocks: 0, marks: 9, last_index: 16 }.to_bytes());
     let ring = [&head[..], &index(16, 5, 4), &end].concat();
     let mut buffer = ChunkBuffer::new();
-    let mut reader = Reader::<'_, _, SmallTable>::new(File(&ring, 0), &mut buffer).unwrap();
+    let mut reader = Reader::new(File(&ring, 0), &mut buffer).unwrap();
     assert_eq!(reader.seek_mark(3).unwrap_err(), Problem::Index.at(16));
 }
 
@@ -316,7 +316,7 @@ fn blanking_takes_a_few_bytes() {
         (true, false, Run::Literal(Vec::from([0; 50_000]))),
     ]);
     let (mut buffer, mut buffer2) = (ChunkBuffer::new(), ChunkBuffer::new());
-    let mut writer: Writer<'_, _> = Writer::new(VecSink(Vec::new()), header(8), "", &mut buffer).unwrap();
+    let mut writer = Writer::new(VecSink(Vec::new()), header(8), "", &mut buffer).unwrap();
     for (hsync, vsync, run) in &line {
         let sync = Sync { hsync: *hsync, vsync: *vsync };
         match run {
@@ -329,7 +329,7 @@ fn blanking_takes_a_few_bytes() {
     let (file, totals) = writer.finish().unwrap();
     assert_eq!(totals.clocks, (1 << 30) + 50_000);
     assert!(file.0.len() < 200, "{} bytes", file.0.len());
-    let mut reader: Reader<'_, _> = Reader::new(File(&file.0, 0), &mut buffer2).unwrap();
+    let mut reader = Reader::new(File(&file.0, 0), &mut buffer2).unwrap();
     let mut clocks = 0;
     while let Some(item) = reader.next_item().unwrap() {
         if let Item::Stretch(_, samples) = item {
@@ -342,7 +342,7 @@ fn blanking_takes_a_few_bytes() {
 #[test]
 fn samples_wider_than_the_bus_are_refused_where_they_stand() {
     let mut buffer = ChunkBuffer::new();
-    let mut writer: Writer<'_, _> = Writer::new(VecSink(Vec::new()), header(8), "", &mut buffer).unwrap();
+    let mut writer = Writer::new(VecSink(Vec::new()), header(8), "", &mut buffer).unwrap();
     let sync = Sync::default();
     writer.stretch(sync, Samples::Repeat { value: 1, clocks: 100 }).unwrap();
     let error = writer.stretch(sync, Samples::Words(&[1, 2, 256])).unwrap_err();

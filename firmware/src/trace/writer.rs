@@ -9,13 +9,13 @@
 //! areas; equal neighbours are joined, so how the caller cuts its stretches does not show in the file. Memory is the
 //! lent [`ChunkBuffer`] and 32 marks (512 bytes).
 
+use core::borrow::BorrowMut;
 use core::fmt;
-use core::marker::PhantomData;
 
 use embedded_io::Write;
 
 use super::StretchSink;
-use super::checksum::{Checksum, SmallTable};
+use super::checksum::{Checksum, small_table};
 use super::layout::{
     CHUNK_HEAD, CHUNK_TAIL, ChunkBuffer, ChunkType, Header, INDEX_HEAD, MARK_BYTES, Mark, PAYLOAD_BYTES,
     PROFILE_BYTES, Totals,
@@ -73,11 +73,11 @@ impl<E: fmt::Display> fmt::Display for WriteError<E> {
 
 impl<E: fmt::Debug + fmt::Display> core::error::Error for WriteError<E> {}
 
-/// Writes a trace. `C` computes the checksums. After an error the output is not a whole trace.
+/// Writes a trace. `B` is the buffer: lent, boxed or given. After an error the output is not a whole trace.
 #[derive(Debug)]
-pub struct Writer<'b, W, C = SmallTable> {
+pub struct Writer<W, B> {
     inner: W,
-    buffer: &'b mut ChunkBuffer,
+    buffer: B,
     header: Header,
     /// Bytes written.
     offset: u64,
@@ -95,7 +95,7 @@ pub struct Writer<'b, W, C = SmallTable> {
     marks: [Mark; MARKS],
     marks_held: usize,
     totals: Totals,
-    checksum: PhantomData<C>,
+    checksum: Checksum,
 }
 
 /// A sample as it comes: a byte or a word.
@@ -115,16 +115,25 @@ impl BusSample for u16 {
     }
 }
 
-impl<'b, W: Write, C: Checksum> Writer<'b, W, C> {
+impl<W: Write, B: BorrowMut<ChunkBuffer>> Writer<W, B> {
     /// Writes header and profile.
     ///
     /// # Errors
     /// A bus width or a profile that the format has no room for, or the output's error.
-    pub fn new(
+    pub fn new(inner: W, header: Header, profile: &str, buffer: B) -> Result<Self, WriteError<W::Error>> {
+        Self::with_checksum(inner, header, profile, buffer, small_table)
+    }
+
+    /// Writes header and profile, with another way to compute CRC-32.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_checksum(
         inner: W,
         header: Header,
         profile: &str,
-        buffer: &'b mut ChunkBuffer,
+        buffer: B,
+        checksum: Checksum,
     ) -> Result<Self, WriteError<W::Error>> {
         if !matches!(header.bus_bits, 8 | 10 | 12 | 14) {
             return Err(WriteError::BusBits(header.bus_bits));
@@ -146,9 +155,9 @@ impl<'b, W: Write, C: Checksum> Writer<'b, W, C> {
             marks: [Mark::default(); MARKS],
             marks_held: 0,
             totals: Totals::default(),
-            checksum: PhantomData,
+            checksum,
         };
-        let bytes = header.to_bytes::<C>();
+        let bytes = header.to_bytes(checksum);
         writer.inner.write_all(&bytes).map_err(WriteError::Io)?;
         writer.offset = bytes.len() as u64;
         let mut rest = profile;
@@ -249,7 +258,7 @@ impl<'b, W: Write, C: Checksum> Writer<'b, W, C> {
             let room = (RECORDS_END - self.fill) / wide;
             let count = rest.len().min(room).min((SHORT_CLOCKS - record.clocks) as usize);
             let (head, tail) = rest.split_at(count);
-            let target = &mut self.buffer.bytes_mut()[self.fill..self.fill + count * wide];
+            let target = &mut self.buffer.borrow_mut().bytes_mut()[self.fill..self.fill + count * wide];
             if wide == 1 {
                 for (byte, sample) in target.iter_mut().zip(head) {
                     *byte = sample.value() as u8;
@@ -260,7 +269,7 @@ impl<'b, W: Write, C: Checksum> Writer<'b, W, C> {
                 }
             }
             let record = Record { clocks: record.clocks + count as u32, ..record };
-            self.buffer.bytes_mut()[at..at + HEAD_BYTES].copy_from_slice(&record.head().0.to_le_bytes());
+            self.buffer.borrow_mut().bytes_mut()[at..at + HEAD_BYTES].copy_from_slice(&record.head().0.to_le_bytes());
             self.literal = Some((at, record));
             self.fill += count * wide;
             self.clock += count as u64;
@@ -310,7 +319,7 @@ impl<'b, W: Write, C: Checksum> Writer<'b, W, C> {
 
     /// Appends to the records; room has been made.
     fn put(&mut self, bytes: &[u8]) {
-        self.buffer.bytes_mut()[self.fill..self.fill + bytes.len()].copy_from_slice(bytes);
+        self.buffer.borrow_mut().bytes_mut()[self.fill..self.fill + bytes.len()].copy_from_slice(bytes);
         self.fill += bytes.len();
     }
 
@@ -330,12 +339,13 @@ impl<'b, W: Write, C: Checksum> Writer<'b, W, C> {
             return Ok(());
         }
         let length = (self.fill - CHUNK_HEAD) as u16;
-        let bytes = self.buffer.bytes_mut();
+        let checksum = self.checksum;
+        let bytes = self.buffer.borrow_mut().bytes_mut();
         bytes[0] = ChunkType::Data.code();
         bytes[1] = 0;
         bytes[2..4].copy_from_slice(&length.to_le_bytes());
         bytes[4..12].copy_from_slice(&self.chunk_clock.to_le_bytes());
-        let crc = C::crc32(&bytes[..self.fill]);
+        let crc = checksum(&bytes[..self.fill]);
         let end = self.fill + CHUNK_TAIL;
         bytes[self.fill..end].copy_from_slice(&crc.to_le_bytes());
         self.inner.write_all(&bytes[..end]).map_err(WriteError::Io)?;
@@ -364,7 +374,8 @@ impl<'b, W: Write, C: Checksum> Writer<'b, W, C> {
 
     /// Writes a chunk made of `parts` through the buffer, which must hold no records.
     fn write_chunk(&mut self, kind: ChunkType, parts: &[&[u8]]) -> Result<(), WriteError<W::Error>> {
-        let bytes = self.buffer.bytes_mut();
+        let checksum = self.checksum;
+        let bytes = self.buffer.borrow_mut().bytes_mut();
         let mut end = CHUNK_HEAD;
         for part in parts {
             bytes[end..end + part.len()].copy_from_slice(part);
@@ -373,7 +384,7 @@ impl<'b, W: Write, C: Checksum> Writer<'b, W, C> {
         bytes[0] = kind.code();
         bytes[1] = 0;
         bytes[2..4].copy_from_slice(&((end - CHUNK_HEAD) as u16).to_le_bytes());
-        let crc = C::crc32(&bytes[..end]);
+        let crc = checksum(&bytes[..end]);
         bytes[end..end + CHUNK_TAIL].copy_from_slice(&crc.to_le_bytes());
         self.inner.write_all(&bytes[..end + CHUNK_TAIL]).map_err(WriteError::Io)?;
         self.offset += (end + CHUNK_TAIL) as u64;
@@ -387,7 +398,7 @@ impl<'b, W: Write, C: Checksum> Writer<'b, W, C> {
     }
 }
 
-impl<W: Write, C: Checksum> StretchSink for Writer<'_, W, C> {
+impl<W: Write, B: BorrowMut<ChunkBuffer>> StretchSink for Writer<W, B> {
     type Error = WriteError<W::Error>;
 
     fn stretch(&mut self, sync: Sync, samples: Samples<'_>) -> Result<(), Self::Error> {
