@@ -7,12 +7,16 @@
 //! | [`profile`] | what the wires of a camera mean, what a frame holds and how fast it comes |
 //! | [`scene`] | what a virtual camera looks at |
 //! | [`sensor`] | a picture becomes pixel clocks |
-//! | [`trace`] | pixel clocks in files, written and read |
+//! | [`trace`] | pixel clocks in files: `.camt` and VCD, read and written |
+//! | [`receiver`] | pixel clocks go through block and driver, and frames come out |
 //! | [`picture`] | the bytes of a frame become a picture; files in and out |
+//! | [`command`] | the command line |
 #![forbid(unsafe_code)]
 
 pub mod profile;
 pub mod scene;
 pub mod sensor;
 pub mod trace;
+pub mod receiver;
 pub mod picture;
+pub mod command;

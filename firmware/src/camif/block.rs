@@ -196,9 +196,7 @@ impl Camif<'_> {
                 }
             }
         }
-        if !self.fifo.is_empty() {
-            self.request();
-        }
+        self.request();
     }
 
     /// Bus time passes while the pixel clock stands still.
@@ -242,7 +240,22 @@ impl Camif<'_> {
     /// The pending request is granted: a burst moves.
     fn grant(&mut self) {
         self.grant_at = NEVER;
-        for _ in 0..self.dma.burst_words() {
+        let burst = self.dma.burst_words();
+        // A whole burst before the next event goes in one piece.
+        if !self.fifo.holds_last()
+            && self.fifo.len() as u32 >= burst
+            && self.dma.words_before_event() >= burst
+            && let Some(window) = self.dma.window(burst as usize)
+        {
+            for place in window {
+                if let Some((word, _)) = self.fifo.pop() {
+                    *place = word;
+                }
+            }
+            self.dma.remaining -= burst;
+            return;
+        }
+        for _ in 0..burst {
             let Some((word, last)) = self.fifo.pop() else { break };
             self.dma.store(word, last);
             if last {
@@ -254,12 +267,11 @@ impl Camif<'_> {
     /// A burst is due: enough words wait, or the last of a line or frame.
     #[inline]
     pub(super) fn wants_bus(&self) -> bool {
-        !self.fifo.is_empty()
-            && self.dma.enabled()
-            && (self.fifo.len() >= self.dma.burst_words() as usize || self.fifo.holds_last())
+        self.dma.is_due(self.fifo.pressure())
     }
 
     /// Asks for the bus, if a burst is due and no request is pending.
+    #[inline]
     fn request(&mut self) {
         if self.grant_at == NEVER && self.wants_bus() {
             let delay = self.bus.delay(self.requests);

@@ -12,7 +12,7 @@ use super::registers::{Burst, DmaAddress, DmaControl, DmaMode, DmaStatus};
 use crate::port::SLOTS;
 
 /// State of the DMA.
-#[derive(Debug, Default, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq)]
 pub(super) struct BurstDma<'m> {
     pub(super) memory: [Option<&'m mut [u32]>; SLOTS],
     pub(super) control: DmaControl,
@@ -22,13 +22,33 @@ pub(super) struct BurstDma<'m> {
     pub(super) count: u32,
     /// Words left of the transfer in progress.
     pub(super) remaining: u32,
+    /// Words that must press before a burst is requested; more than there can be while the DMA is off.
+    threshold: u8,
 }
 
-impl<'m> BurstDma<'m> {
+/// A threshold that no FIFO reaches.
+const OFF: u8 = u8::MAX;
+
+impl Default for BurstDma<'_> {
+    fn default() -> Self {
+        Self {
+            memory: Default::default(),
+            control: DmaControl::default(),
+            status: DmaStatus::default(),
+            targets: [DmaAddress::default(); 2],
+            count: 0,
+            remaining: 0,
+            threshold: OFF,
+        }
+    }
+}
+
+impl BurstDma<'_> {
     /// Takes a new control word: an enable that rises starts at target 0.
     pub(super) fn set_control(&mut self, control: DmaControl) {
         let starts = control.enable() && !self.control.enable();
         self.control = control;
+        self.threshold = if control.enable() { self.burst_words() as u8 } else { OFF };
         if starts {
             self.remaining = self.count;
             self.status.set_target(false);
@@ -38,6 +58,13 @@ impl<'m> BurstDma<'m> {
         }
     }
 
+    /// A burst is due when so many words press.
+    #[inline]
+    pub(super) fn is_due(&self, pressure: u8) -> bool {
+        pressure >= self.threshold
+    }
+
+    #[inline]
     pub(super) fn enabled(&self) -> bool {
         self.control.enable()
     }
@@ -108,7 +135,7 @@ impl<'m> BurstDma<'m> {
             Ok(DmaMode::Double) => self.status.set_target(!self.status.target()),
             Ok(DmaMode::Circular) => {}
             // The reserved mode stops, as the harmless one.
-            Ok(DmaMode::Single) | Err(_) => self.control.set_enable(false),
+            Ok(DmaMode::Single) | Err(_) => self.disable(),
         }
         if self.enabled() {
             self.remaining = self.count;
@@ -117,7 +144,12 @@ impl<'m> BurstDma<'m> {
 
     fn fail(&mut self) {
         self.status.set_error(true);
+        self.disable();
+    }
+
+    fn disable(&mut self) {
         self.control.set_enable(false);
+        self.threshold = OFF;
     }
 
     /// The DMA runs and may go to memory in this slot.

@@ -57,8 +57,15 @@ impl Fifo {
     }
 
     /// A marked word waits: it must go to memory even if a burst is not full.
+    #[inline]
     pub(super) fn holds_last(&self) -> bool {
         self.last != 0
+    }
+
+    /// Words that press for memory: those that wait, and the whole FIFO where a marked one does.
+    #[inline]
+    pub(super) fn pressure(&self) -> u8 {
+        if self.last != 0 { FIFO_WORDS as u8 } else { self.len }
     }
 
     pub(super) fn clear(&mut self) {

@@ -37,14 +37,17 @@ impl Demo {
             .with_context(|| format!("{}: the folder cannot be made", self.out.display()))?;
         let path = self.out.join("demo.camt");
         let mut sent = Vec::new();
-        let created = generate(&profile, &scene, self.frames, &path, &mut |_, bytes| sent.push(picture::crc32(bytes)))?;
+        let created =
+            generate(&profile, &scene, self.frames, &path, &mut |_, bytes| sent.push(picture::crc32(bytes)))?;
         let source = Source::open(&created.path, None, None)?;
         let report = replay(&source, Bus::IDEAL, Some(&self.out))?;
         let received: Vec<_> = report.frames.iter().filter_map(|frame| frame.crc32).collect();
         if self.json {
             println!("{}", serde_json::to_string_pretty(&report)?);
         } else {
-            println!("scene ─► virtual sensor ─► trace ─► camera interface ─► driver ─► pictures\n\n{report}");
+            println!(
+                "scene ─► virtual sensor ─► trace ─► camera interface ─► driver ─► pictures\n\n{report}"
+            );
         }
         ensure!(
             received == sent,
@@ -53,7 +56,10 @@ impl Demo {
         );
         if !self.json {
             println!("verified       every frame received is, byte by byte, the frame that was sent");
-            println!("pictures       {} (and the trace, demo.camt)", self.out.join("frame-0000.png").display());
+            println!(
+                "pictures       {} (and the trace, demo.camt)",
+                self.out.join("frame-0000.png").display()
+            );
         }
         Ok(if report.is_good() { Outcome::Fine } else { Outcome::Fault })
     }

@@ -92,8 +92,11 @@ pub(super) fn generate(
     let bits = u8::try_from(profile.bus.bits).unwrap_or(8);
     let mut vcd = VcdWriterOptions::new(bits, profile.timing.pclk_hz);
     vcd.edge = profile.bus.clock_edge;
-    let options =
-        TraceWriterOptions { vcd, vsync_active: profile.bus.vsync_blank.is_high(), profile: profile.to_toml() };
+    let options = TraceWriterOptions {
+        vcd,
+        vsync_active: profile.bus.vsync_blank.is_high(),
+        profile: profile.to_toml(),
+    };
     let mut writer = create(output, &options)?;
     let bar = progress::frames("generate", frames);
     for number in 0..frames {
@@ -109,7 +112,9 @@ pub(super) fn generate(
 }
 
 /// The sink's own words say more than that it refused.
-fn refused<E: std::error::Error + Send + Sync + 'static>(error: crate::sensor::PlayError<E>) -> anyhow::Error {
+fn refused<E: std::error::Error + Send + Sync + 'static>(
+    error: crate::sensor::PlayError<E>,
+) -> anyhow::Error {
     match error {
         crate::sensor::PlayError::Sink(error) => error.into(),
         other => anyhow::Error::msg(other.to_string()),

@@ -62,14 +62,12 @@ pub(super) fn replay(
     let bar = progress::bytes("replay", source.trace.info().file_bytes);
     let mut collector = Collector::new(profile, out);
     let started = Instant::now();
-    let (played, summary) = receive(
-        &capture_config(profile),
-        bus,
-        &mut |frame| collector.take(&frame),
-        |receiver| source.play(receiver, &mut |bytes| bar.set_position(bytes)),
-    )
-    .with_context(|| format!("profile {}", profile.name))?;
-    let seconds = started.elapsed().as_secs_f64();
+    let (played, summary) =
+        receive(&capture_config(profile), bus, &mut |frame| collector.take(&frame), |receiver| {
+            source.play(receiver, &mut |bytes| bar.set_position(bytes))
+        })
+        .with_context(|| format!("profile {}", profile.name))?;
+    let seconds = started.elapsed().saturating_sub(collector.aside).as_secs_f64();
     bar.finish_and_clear();
     let played = played?;
     if let Some(error) = collector.error {

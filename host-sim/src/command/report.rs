@@ -1,5 +1,6 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -18,7 +19,7 @@ pub(super) struct Report {
     pub(super) overruns: u32,
     /// Pixel clocks played.
     pub(super) pclk: u64,
-    /// Seconds that the replay took, from the first byte read to the last frame received.
+    /// Seconds that reading the trace, the block and the driver took, without checksums and pictures.
     pub(super) seconds: f64,
     /// Seconds that the trace lasts by its pixel clock.
     pub(super) trace_seconds: f64,
@@ -57,14 +58,17 @@ pub(super) struct Collector<'a> {
     out: Option<&'a Path>,
     pub(super) frames: Vec<FrameReport>,
     pub(super) error: Option<picture::PictureError>,
+    /// Time spent on measuring and writing frames, which is not the block's.
+    pub(super) aside: Duration,
 }
 
 impl<'a> Collector<'a> {
     pub(super) fn new(profile: &'a Profile, out: Option<&'a Path>) -> Self {
-        Self { profile, out, frames: Vec::new(), error: None }
+        Self { profile, out, frames: Vec::new(), error: None, aside: Duration::ZERO }
     }
 
     pub(super) fn take(&mut self, received: &Received<'_>) {
+        let started = Instant::now();
         let verdict = received.verdict;
         let mut report = FrameReport {
             seq: verdict.sequence,
@@ -90,6 +94,7 @@ impl<'a> Collector<'a> {
             }
         }
         self.frames.push(report);
+        self.aside += started.elapsed();
     }
 }
 
@@ -126,7 +131,11 @@ const LISTED: usize = 20;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{:>5}  {:>9}  {:>5}  {:>11}  {:>8}  verdict", "frame", "size", "lines", "bytes/line", "crc32")?;
+        writeln!(
+            f,
+            "{:>5}  {:>9}  {:>5}  {:>11}  {:>8}  verdict",
+            "frame", "size", "lines", "bytes/line", "crc32"
+        )?;
         for frame in self.frames.iter().take(LISTED) {
             let size = format!("{}×{}", frame.width, frame.height);
             let bytes = if frame.min_line_bytes == frame.max_line_bytes {
@@ -135,7 +144,11 @@ impl fmt::Display for Report {
                 format!("{}–{}", frame.min_line_bytes, frame.max_line_bytes)
             };
             let crc = frame.crc32.map_or_else(|| "–".to_owned(), |crc| format!("{crc:08x}"));
-            writeln!(f, "{:>5}  {size:>9}  {:>5}  {bytes:>11}  {crc:>8}  {}", frame.seq, frame.lines, frame.verdict)?;
+            writeln!(
+                f,
+                "{:>5}  {size:>9}  {:>5}  {bytes:>11}  {crc:>8}  {}",
+                frame.seq, frame.lines, frame.verdict
+            )?;
         }
         if self.frames.len() > LISTED {
             writeln!(f, "{:>5}  and {} more (--json lists all)", "…", self.frames.len() - LISTED)?;
@@ -150,7 +163,11 @@ impl fmt::Display for Report {
         writeln!(f, "overruns       {}", self.overruns)?;
         writeln!(f, "pixel clocks   {}", grouped(self.pclk))?;
         if self.unfinished_words > 0 {
-            writeln!(f, "unfinished     {} words of a frame that the trace breaks off in", self.unfinished_words)?;
+            writeln!(
+                f,
+                "unfinished     {} words of a frame that the trace breaks off in",
+                self.unfinished_words
+            )?;
         }
         if self.unknown_levels > 0 {
             writeln!(f, "unknown        {} levels (x or z) were read as 0", self.unknown_levels)?;

@@ -51,7 +51,9 @@ mod tests {
 
     #[test]
     fn what_is_no_bus_is_quoted() {
-        for (text, part) in [("", ""), ("x", "x"), ("3..1", "3..1"), ("1,stall=4", "stall=4"), ("1,seed=-1", "seed=-1")] {
+        for (text, part) in
+            [("", ""), ("x", "x"), ("3..1", "3..1"), ("1,stall=4", "stall=4"), ("1,seed=-1", "seed=-1")]
+        {
             assert_eq!(parse_bus(text), Err(BusSyntaxError { part: part.to_owned() }));
         }
     }

@@ -14,7 +14,9 @@ pub fn capture_config(profile: &Profile) -> Config {
     let (hsync_high, vsync_high) = (profile.bus.hsync_blank.is_high(), profile.bus.vsync_blank.is_high());
     let sync = match profile.bus.sync {
         SyncMode::Gated => DriverSync::Gated { hsync_blank_high: hsync_high, vsync_blank_high: vsync_high },
-        SyncMode::Marker => DriverSync::Marker { hsync_active_high: hsync_high, vsync_active_high: vsync_high },
+        SyncMode::Marker => {
+            DriverSync::Marker { hsync_active_high: hsync_high, vsync_active_high: vsync_high }
+        }
         SyncMode::Embedded => DriverSync::Embedded {
             codes: SyncCodes::new_with_raw_value(BT656_CODES),
             unmask: SyncCodes::new_with_raw_value(u32::MAX),

@@ -3,9 +3,9 @@ use std::convert::Infallible;
 
 use firmware::camif::pins::{Samples, Sync};
 use firmware::camif::{Bus, Camif, Part};
-use firmware::driver::{Config, FrameCamera, StartError, frame_plan};
 use firmware::driver::deadline::{Cause, Timeout};
 use firmware::driver::verdict::{Outcome, Statistics, Verdict};
+use firmware::driver::{Config, FrameCamera, StartError, frame_plan};
 use firmware::trace::StretchSink;
 
 /// Frame buffers: two that the DMA fills in turn, and two for frames that ended close to each other.

@@ -1,0 +1,170 @@
+//! The command line as a user meets it: what it prints, what it writes, how it exits.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Runs `host-sim` in `folder`.
+fn host_sim(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_host-sim")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn status(output: &Output) -> i32 {
+    output.status.code().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// The one JSON object that stdout holds.
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout)
+        .unwrap_or_else(|error| panic!("{error}: {}", String::from_utf8_lossy(&output.stdout)))
+}
+
+fn crc32(path: &Path) -> u64 {
+    u64::from(host_sim::picture::crc32(&std::fs::read(path).unwrap()))
+}
+
+#[test]
+fn demo_takes_a_scene_to_verified_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = host_sim(folder.path(), &["demo", "--frames", "2"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    for expected in ["frames         2 (2 good)", "overruns       0", "byte by byte", "out/frame-0000.png"] {
+        assert!(text.contains(expected), "{expected:?} is not in:\n{text}");
+    }
+    for frame in ["frame-0000", "frame-0001"] {
+        let raw = folder.path().join("out").join(frame).with_extension("raw");
+        assert_eq!(std::fs::metadata(raw).unwrap().len(), 640 * 480 * 3);
+    }
+}
+
+#[test]
+fn every_profile_goes_through_either_trace_format() {
+    let folder = tempfile::tempdir().unwrap();
+    for profile in host_sim::profile::built_in_names() {
+        for trace in ["trace.camt", "trace.vcd"] {
+            // Seven million lines of VCD are for the benchmark: one small profile will do there.
+            if trace.ends_with("vcd") && !profile.contains("qvga") {
+                continue;
+            }
+            let output = host_sim(
+                folder.path(),
+                &["generate", "--scene", "moving", "--profile", profile, "--frames", "2", "-o", trace],
+            );
+            assert_eq!(status(&output), 0, "{profile}: {}", stderr(&output));
+            let output =
+                host_sim(folder.path(), &["replay", trace, "--profile", profile, "--json", "--out", "out"]);
+            assert_eq!(status(&output), 0, "{profile}: {}", stderr(&output));
+            let report = json(&output);
+            assert_eq!(report["profile"], profile);
+            assert_eq!(report["overruns"], 0);
+            let frames = report["frames"].as_array().unwrap();
+            assert_eq!(frames.len(), 2, "{profile} as {trace}");
+            for frame in frames {
+                assert_eq!(frame["verdict"], "good");
+                let raw = folder.path().join(frame["raw"].as_str().unwrap());
+                assert_eq!(frame["crc32"].as_u64().unwrap(), crc32(&raw));
+                let picture = image::open(folder.path().join(frame["png"].as_str().unwrap())).unwrap();
+                assert_eq!(u64::from(picture.width()), frame["width"].as_u64().unwrap());
+            }
+            assert_ne!(frames[0]["crc32"], frames[1]["crc32"], "the scene moves");
+        }
+    }
+}
+
+#[test]
+fn json_reports_hold_the_documented_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    host_sim(
+        folder.path(),
+        &["generate", "--scene", "bars", "--profile", "ov7670-qvga-yuv422", "-o", "t.camt"],
+    );
+    let output = host_sim(folder.path(), &["replay", "t.camt", "--json"]);
+    let report = json(&output);
+    for key in ["trace", "profile", "frames", "overruns", "pclk", "seconds"] {
+        assert!(report.get(key).is_some(), "{key}");
+    }
+    for key in
+        ["seq", "width", "height", "format", "lines", "min_line_bytes", "max_line_bytes", "crc32", "verdict"]
+    {
+        assert!(report["frames"][0].get(key).is_some(), "{key}");
+    }
+    assert_eq!(report["profile"], "ov7670-qvga-yuv422", "the trace carries its profile");
+    assert_eq!(report["frames"][0]["format"], "yuyv");
+}
+
+#[test]
+fn a_slow_bus_overruns_and_the_exit_status_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    host_sim(
+        folder.path(),
+        &[
+            "generate",
+            "--scene",
+            "moving",
+            "--profile",
+            "ov7670-qvga-yuv422",
+            "--frames",
+            "3",
+            "-o",
+            "t.camt",
+        ],
+    );
+    let slow = ["replay", "t.camt", "--json", "--bus-latency", "0,stall=200/9000,seed=1"];
+    let output = host_sim(folder.path(), &slow);
+    assert_eq!(status(&output), 1);
+    let report = json(&output);
+    assert!(report["overruns"].as_u64().unwrap() > 0);
+    let frames = report["frames"].as_array().unwrap();
+    assert!(frames.iter().any(|frame| frame["verdict"].as_str().unwrap().starts_with("overrun")));
+    let again = json(&host_sim(folder.path(), &slow));
+    assert_eq!(report["frames"], again["frames"], "the same seed gives the same frames");
+}
+
+#[test]
+fn a_picture_file_becomes_a_trace() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = image::RgbImage::from_fn(640, 480, |x, y| image::Rgb([x as u8, y as u8, (x ^ y) as u8]));
+    picture.save(folder.path().join("in.png")).unwrap();
+    let output = host_sim(folder.path(), &["generate", "--image", "in.png", "-o", "t.camt", "--json"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    assert_eq!(json(&output)["pclk"], 921_601, "a frame, and the idle clock that closes it");
+    let output = host_sim(folder.path(), &["replay", "t.camt", "--out", "out"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    assert_eq!(image::open(folder.path().join("out/frame-0000.png")).unwrap().into_rgb8(), picture);
+}
+
+#[test]
+fn bad_usage_and_input_exit_with_2_and_one_line_that_says_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("text.txt"), "hello").unwrap();
+    std::fs::write(folder.path().join("cut.camt"), b"CAMT").unwrap();
+    std::fs::write(folder.path().join("bad.toml"), "[bus]\nbitz = 8\n").unwrap();
+    for (arguments, expected) in [
+        (&["replay", "nothing.camt"][..], "nothing.camt"),
+        (&["replay", "text.txt"], "text.txt"),
+        (&["replay", "cut.camt"], "cut.camt"),
+        (&["generate", "--scene", "bar", "-o", "t.camt"], "did you mean `bars`"),
+        (&["generate", "--scene", "bars", "-o", "t.png"], ".camt or .vcd"),
+        (&["generate", "--scene", "bars", "-o", "no/such/folder/t.camt"], "no/such/folder"),
+        (&["generate", "--scene", "bars", "--profile", "vga-rgb88", "-o", "t.camt"], "vga-rgb888"),
+        (&["generate", "--scene", "bars", "--profile", "bad.toml", "-o", "t.camt"], "bits"),
+        (&["replay", "cut.camt", "--bus-latency", "soon"], "soon"),
+        (&["replay", "cut.camt", "--map", "PCKL=CH0"], "PCLK"),
+    ] {
+        let output = host_sim(folder.path(), arguments);
+        assert_eq!(status(&output), 2, "{arguments:?}");
+        assert!(output.stdout.is_empty());
+        let text = stderr(&output);
+        assert!(text.contains(expected), "{arguments:?}: {text}");
+        assert_eq!(text.lines().count(), 1, "{arguments:?}: {text}");
+    }
+    let usage = host_sim(folder.path(), &["generate", "--frames", "0", "--scene", "bars", "-o", "t.camt"]);
+    assert_eq!(status(&usage), 2);
+    assert!(!folder.path().join("t.camt").exists(), "nothing half-written");
+}
