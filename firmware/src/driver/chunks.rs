@@ -15,6 +15,8 @@
 //! FIFO is deep, or that has no fixed length is taken one at a time: capture stops by itself at its end, and the position
 //! of the DMA tells its length.
 
+use crate::camif::FIFO_WORDS;
+
 /// Words that can be on the way from the wires to memory when a frame ends: the FIFO's four and a burst.
 pub const IN_FLIGHT: u32 = 8;
 
@@ -44,7 +46,11 @@ impl Plan {
         }
         let least = words.div_ceil(limit);
         let most = least.saturating_add(TRIES).min(words / IN_FLIGHT);
-        if let Some(count) = (least.max(2)..=most).find(|count| words % count == 0) {
+        let even = |count: &u32| words.is_multiple_of(*count);
+        // Bursts must not straddle transfers: a cut that leaves room for the longest is better than fewer transfers.
+        let aligned = |count: &u32| even(count) && (words / count).is_multiple_of(FIFO_WORDS as u32);
+        let mut counts = least.max(2)..=most;
+        if let Some(count) = counts.clone().find(aligned).or_else(|| counts.find(even)) {
             return Some(Self { chunk: words / count, count, seamless: !one_by_one });
         }
         let count = least.max(2).min(words);

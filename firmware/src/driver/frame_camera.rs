@@ -23,7 +23,7 @@ use crate::port::{Port, SLOTS};
 /// While the DMA writes, it must be served within the time of one transfer, at least half a frame for frames up to the
 /// DMA's limit; a later service is noticed and costs frames, but never tears one.
 pub struct FrameCamera<'m, P, const N: usize> {
-    shared: Shared<Frames<'m, P, N>>,
+    pub(super) shared: Shared<Frames<'m, P, N>>,
     /// The shortest buffer and its words.
     shortest: (u8, u32),
 }

@@ -47,7 +47,11 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
 
     fn judge_by_position(&mut self) -> Result<(), Outcome> {
         self.drain(|_| false)?;
-        let beyond = if self.transferred.is_some() { self.engine.moved() } else { 0 };
+        // What is in the next frame's buffer already is too much of this one: its first words are not due yet.
+        let beyond = match (self.transferred, self.filling) {
+            (Some(_), next) => next.map_or(0, |next| next.window * self.plan.chunk) + self.engine.moved(),
+            (None, _) => 0,
+        };
         let bytes = (self.position() + beyond).saturating_mul(4);
         let words_lost = self.expected.bytes % 4;
         let verdict =

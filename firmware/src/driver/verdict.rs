@@ -92,7 +92,7 @@ pub struct Verdict {
     pub min_line_bytes: u32,
     /// Bytes of the longest line, likewise.
     pub max_line_bytes: u32,
-    /// Bytes of the frame.
+    /// Bytes of the frame; without counters whole words of them.
     pub bytes: u32,
     /// What came of it.
     pub outcome: Outcome,

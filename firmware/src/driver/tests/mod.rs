@@ -3,6 +3,7 @@
 mod frames;
 mod lines;
 mod overrun;
+mod random;
 
 use core::cell::RefCell;
 
