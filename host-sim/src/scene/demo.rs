@@ -140,12 +140,12 @@ fn rings(picture: &mut RgbImage) {
     });
 }
 
-/// Seven lines that converge from six pixels to one.
+/// Fifteen lines that converge, from five pixels wide to less than one at VGA.
 fn wedge(picture: &mut RgbImage) {
     let area = Area::of(picture, [715, 965], [620, 850]);
     let (width, height) = (i64::from(area.width), i64::from(area.height));
     area.fill(picture, |x, y| {
-        // Seven dark and eight light strips over the width that is left at this height.
+        // Thirty strips, every second one dark, over the width that is left at this height (in half pixels).
         let left = (width * 2 - width * 5 / 3 * i64::from(y) / height.max(1)).max(1);
         let from_middle = i64::from(x) * 2 - width + left / 2;
         let strip = from_middle * 30 / left;

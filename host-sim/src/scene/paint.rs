@@ -74,7 +74,15 @@ pub(super) fn hue(angle: u32) -> Rgb<u8> {
 /// The distance to the rim, clamped to a pixel: a soft edge without multisampling.
 pub(super) fn disc_cover(x: u32, y: u32, centre: (i64, i64), radius: i64) -> i64 {
     let (dx, dy) = (i64::from(x) * SUB + SUB / 2 - centre.0, i64::from(y) * SUB + SUB / 2 - centre.1);
-    let distance = (dx * dx + dy * dy).isqrt();
+    let square = dx * dx + dy * dy;
+    // Most pixels are far from the rim and need no root.
+    if square >= (radius + SUB / 2) * (radius + SUB / 2) {
+        return 0;
+    }
+    if radius > SUB / 2 && square <= (radius - SUB / 2) * (radius - SUB / 2) {
+        return SUB;
+    }
+    let distance = square.isqrt();
     (radius - distance + SUB / 2).clamp(0, SUB)
 }
 

@@ -85,4 +85,9 @@ mod tests {
         );
         assert_eq!(still.scaling_note(8, 4).unwrap(), "red.png is 4 × 2 pixels, scaled to 8 × 4");
     }
+
+    #[test]
+    fn a_picture_without_pixels_is_no_fault() {
+        assert_eq!(Still::new("none".into(), RgbImage::new(0, 0)).scaled(4, 3).dimensions(), (4, 3));
+    }
 }

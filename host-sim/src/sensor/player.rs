@@ -77,13 +77,30 @@ impl Sensor {
         scene: &Scene,
         sink: &mut S,
     ) -> Result<(), PlayError<S::Error>> {
+        self.play_watched(frames, scene, sink, |_, _| {})
+    }
+
+    /// The same, and tells after each frame its number and the bytes that went out: for progress, and to compare
+    /// with what arrives.
+    ///
+    /// # Errors
+    /// As [`Sensor::play`].
+    pub fn play_watched<S: StretchSink>(
+        &mut self,
+        frames: u64,
+        scene: &Scene,
+        sink: &mut S,
+        mut played: impl FnMut(u64, &[u8]),
+    ) -> Result<(), PlayError<S::Error>> {
         let mut bytes = Vec::new();
         for frame_number in 0..frames {
-            if bytes.is_empty() || !scene.is_still() {
+            // One rendering serves all frames of a scene that stands still.
+            if frame_number == 0 || !scene.is_still() {
                 let frame = &self.profile.frame;
                 bytes = self.encode(&scene.render(frame_number, frame.width, frame.height))?;
             }
             self.play_frame_bytes(&bytes, sink)?;
+            played(frame_number, &bytes);
         }
         self.close(sink)
     }
