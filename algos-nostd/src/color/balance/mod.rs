@@ -16,7 +16,8 @@
 //! | [`exact`] | matrices of 32 fraction bits that those are made of |
 //!
 //! An estimate and what is done with it hold for values proportional to light. On gamma-coded values the gains are still
-//! what gray-world balance of everyday libraries does; matrices should be given linear values.
+//! what gray-world balance of everyday libraries does; matrices should be given linear values
+//! ([`super::curve`]).
 
 pub mod white;
 pub mod gray_world;
