@@ -1,1 +1,3 @@
 //! Smoothing, convolution, rank filters, morphology, sharpening and scaling.
+
+pub mod scale;

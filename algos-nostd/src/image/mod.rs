@@ -3,6 +3,10 @@
 mod error;
 mod view;
 
+pub mod geometry;
+#[cfg(feature = "embedded-graphics")]
+pub mod embedded_graphics;
+
 pub use error::Error;
 pub use view::{Image, ImageMut};
 

@@ -1,3 +1,7 @@
 //! Oracles: each algorithm once more, slowly, from its definition.
 
 pub mod camif;
+pub mod balance;
+pub mod demosaic;
+pub mod pixel;
+pub mod scale;
