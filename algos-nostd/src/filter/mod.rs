@@ -1,1 +1,20 @@
 //! Smoothing, convolution, rank filters, morphology, sharpening and scaling.
+
+mod neighbourhood;
+mod strips;
+mod weights;
+mod reciprocal;
+mod box_mean;
+mod gaussian;
+mod gaussian3;
+mod gaussian5;
+mod median3;
+mod median5;
+
+pub use box_mean::{Mean, MeanFilter};
+pub use gaussian::{Gaussian, GaussianFilter};
+pub use gaussian3::{Gaussian3, Gaussian3Filter, gaussian3_row};
+pub use gaussian5::{Gaussian5, Gaussian5Filter, gaussian5_row};
+pub use median3::{Median3, Median3Filter};
+pub use median5::{Median5, Median5Filter};
+pub use neighbourhood::{Neighbourhood, RowKernel};

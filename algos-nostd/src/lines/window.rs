@@ -112,6 +112,12 @@ impl<'m, T: Copy> Window<'m, T> {
         self.reach
     }
 
+    /// Whether no line of the current frame has been pushed yet.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.held == 0
+    }
+
     /// Takes the next line; true if there is now a centre line, which lies `reach.lines` above it.
     ///
     /// # Errors
