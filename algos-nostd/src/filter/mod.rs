@@ -10,7 +10,9 @@ mod gaussian3;
 mod gaussian5;
 mod median3;
 mod median5;
+mod bilateral;
 
+pub use bilateral::{Bilateral, BilateralFilter};
 pub use box_mean::{Mean, MeanFilter};
 pub use gaussian::{Gaussian, GaussianFilter};
 pub use gaussian3::{Gaussian3, Gaussian3Filter, gaussian3_row};
