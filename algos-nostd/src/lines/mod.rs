@@ -11,10 +11,13 @@
 //! ```
 //!
 //! A whole-frame function is the filter run over the rows: see [`run`]. Filters chain with [`LineFilter::then`].
+//! Filters that look at a pixel's neighbours do it through a [`Window`], which also knows what lies beyond the edge.
 
 mod chain;
+mod window;
 
 pub use chain::Then;
+pub use window::{Reach, Window, shifted};
 
 use crate::image::{Error, Image, ImageMut};
 
