@@ -1,0 +1,3 @@
+//! Oracles: each algorithm once more, slowly, from its definition.
+
+pub mod edges;
