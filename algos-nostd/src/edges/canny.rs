@@ -109,3 +109,57 @@ fn classify<S: Smoothing>(
     lines.finish(&mut sink);
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::bits::tests::show;
+    use super::*;
+
+    fn edges(picture: &[&[u8]], smoothing: CannySmoothing, norm: Norm) -> Vec<String> {
+        let (width, height) = (picture[0].len(), picture.len());
+        let pixels = picture.concat();
+        let mut memory = vec![u32::MAX; canny_memory(width, height, smoothing)];
+        let mut words = vec![u32::MAX; words_a_map(width, height)];
+        let mut map = BitMapMut::new(&mut words, width, height).unwrap();
+        let config = CannyConfig { smoothing, thresholds: Thresholds { low: 50, high: 150, norm } };
+        canny(Image::new(&pixels, width, height).unwrap(), &config, &mut memory, &mut map).unwrap();
+        show(map.as_map())
+    }
+
+    #[test]
+    fn a_step_is_one_line() {
+        let step: &[u8] = &[10, 10, 10, 99, 99, 99];
+        for (smoothing, norm) in [
+            (CannySmoothing::None, Norm::L1),
+            (CannySmoothing::Gaussian3, Norm::L2),
+            (CannySmoothing::Gaussian5, Norm::L2),
+        ] {
+            assert_eq!(edges(&[step; 3], smoothing, norm), ["..#..."; 3], "{smoothing:?}");
+        }
+        let (dark, bright): (&[u8], &[u8]) = (&[10; 4], &[99; 4]);
+        let made = edges(&[dark, dark, bright, bright], CannySmoothing::Gaussian5, Norm::L1);
+        assert_eq!(made, ["....", "####", "....", "...."]);
+    }
+
+    #[test]
+    fn a_weak_edge_lives_if_it_hangs_on_a_strong_one() {
+        // Four times the step is the magnitude: from 200 at the top to 80 at the bottom.
+        let lines: [[u8; 6]; 7] = core::array::from_fn(|y| {
+            let right = 150 - 5 * y as u8;
+            [100, 100, 100, right, right, right]
+        });
+        let fading = lines.each_ref().map(|line| &line[..]);
+        let whole = edges(&fading, CannySmoothing::None, Norm::L1);
+        assert!(whole.iter().all(|line| line.matches('#').count() == 1), "{whole:#?}");
+        let weak = edges(&fading[4..], CannySmoothing::None, Norm::L1);
+        assert!(weak.iter().all(|line| !line.contains('#')), "{weak:#?}");
+    }
+
+    #[test]
+    fn flat_pictures_have_no_edges() {
+        for smoothing in [CannySmoothing::None, CannySmoothing::Gaussian3, CannySmoothing::Gaussian5] {
+            assert_eq!(edges(&[&[200; 33][..]; 2], smoothing, Norm::L2), [".".repeat(33), ".".repeat(33)]);
+            assert_eq!(edges(&[&[255]], smoothing, Norm::L1), ["."]);
+        }
+    }
+}

@@ -50,6 +50,8 @@ pub(super) struct Crest<'a> {
 
 /// A word of pixels and the one before and after.
 const WINDOW: usize = PIXELS_A_WORD + 2;
+/// Magnitudes of the line above, this one and the one below.
+type Rows<'a> = [&'a [u32; WINDOW]; 3];
 
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
 pub(super) fn suppress(crest: &Crest<'_>, marks: &mut [Marks]) {
@@ -73,26 +75,71 @@ pub(super) fn suppress(crest: &Crest<'_>, marks: &mut [Marks]) {
         if peak <= crest.low {
             continue;
         }
-        // 1 for a candidate, 3 for a strong one.
-        let mut levels = [0; PIXELS_A_WORD];
-        for i in 0..PIXELS_A_WORD {
-            let (a, b) = (u32::from(x[i].unsigned_abs()), u32::from(y[i].unsigned_abs()));
-            let diagonal = (a + b) * (a + b);
-            let horizontal = mask(diagonal < 2 * a * a);
-            let vertical = mask(diagonal < 2 * b * b);
-            let falling = mask((x[i] ^ y[i]) >= 0);
-            let before = choose(falling, above[i], above[i + 2]);
-            let after = choose(falling, below[i + 2], below[i]);
-            let before = choose(vertical, above[i + 1], before);
-            let after = choose(vertical, below[i + 1], after);
-            let before = choose(horizontal, here[i], before);
-            let after = choose(horizontal, here[i + 2], after);
-            let magnitude = here[i + 1];
-            let level = (mask(magnitude > crest.low) & 1) | (mask(magnitude > crest.high) & 2);
-            levels[i] = (level & mask(magnitude > before) & mask(magnitude >= after)) as u8;
-        }
-        *marks = Marks { candidates: gather(&levels, 0), strong: gather(&levels, 1) };
+        let rows = [above, here, below];
+        *marks = if cfg!(feature = "std") {
+            every_pixel(rows, x, y, crest.low, crest.high)
+        } else {
+            pixels_above(rows, x, y, crest.low, crest.high)
+        };
     }
+}
+
+/// All pixels alike, without a branch: for vector units.
+#[inline(always)]
+fn every_pixel(
+    rows: Rows<'_>,
+    x: &[i16; PIXELS_A_WORD],
+    y: &[i16; PIXELS_A_WORD],
+    low: u32,
+    high: u32,
+) -> Marks {
+    // 1 for a candidate, 3 for a strong one.
+    let mut levels = [0; PIXELS_A_WORD];
+    for i in 0..PIXELS_A_WORD {
+        let magnitude = rows[1][i + 1];
+        let level = (mask(magnitude > low) & 1) | (mask(magnitude > high) & 2);
+        levels[i] = (level & crest(rows, i, x[i], y[i])) as u8;
+    }
+    Marks { candidates: gather(&levels, 0), strong: gather(&levels, 1) }
+}
+
+/// Only pixels above the lower threshold: for a processor that takes one at a time.
+#[inline(always)]
+fn pixels_above(
+    rows: Rows<'_>,
+    x: &[i16; PIXELS_A_WORD],
+    y: &[i16; PIXELS_A_WORD],
+    low: u32,
+    high: u32,
+) -> Marks {
+    let mut marks = Marks::default();
+    for i in 0..PIXELS_A_WORD {
+        let magnitude = rows[1][i + 1];
+        if magnitude > low && crest(rows, i, x[i], y[i]) != 0 {
+            marks.candidates |= 1 << i;
+            marks.strong |= u32::from(magnitude > high) << i;
+        }
+    }
+    marks
+}
+
+/// Whether pixel `i` of the middle row (whose element `i + 1` it is) is higher than its neighbours along the
+/// gradient `x`, `y`: all ones or none.
+#[inline(always)]
+fn crest([above, here, below]: Rows<'_>, i: usize, x: i16, y: i16) -> u32 {
+    let (a, b) = (u32::from(x.unsigned_abs()), u32::from(y.unsigned_abs()));
+    let diagonal = (a + b) * (a + b);
+    let horizontal = mask(diagonal < 2 * a * a);
+    let vertical = mask(diagonal < 2 * b * b);
+    let falling = mask((x ^ y) >= 0);
+    let before = choose(falling, above[i], above[i + 2]);
+    let after = choose(falling, below[i + 2], below[i]);
+    let before = choose(vertical, above[i + 1], before);
+    let after = choose(vertical, below[i + 1], after);
+    let before = choose(horizontal, here[i], before);
+    let after = choose(horizontal, here[i + 2], after);
+    let magnitude = here[i + 1];
+    mask(magnitude > before) & mask(magnitude >= after)
 }
 
 /// All ones or none.
@@ -121,4 +168,71 @@ fn gather(bytes: &[u8; PIXELS_A_WORD], bit: u32) -> u32 {
         word |= ((flags.wrapping_mul(GATHER) >> 56) as u32) << (8 * place);
     }
     word
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The marks of a picture of magnitudes and gradients in one word, by both ways.
+    fn both(
+        rows: [[u32; WINDOW]; 3],
+        x: [i16; PIXELS_A_WORD],
+        y: [i16; PIXELS_A_WORD],
+        low: u32,
+        high: u32,
+    ) -> Marks {
+        let rows = rows.each_ref();
+        let marks = every_pixel(rows, &x, &y, low, high);
+        assert_eq!(marks, pixels_above(rows, &x, &y, low, high));
+        marks
+    }
+
+    /// A word whose pixels 1 to 3 are the drawing's middle column, the same gradient everywhere.
+    fn kept(picture: [[u32; 5]; 3], gradient: (i16, i16)) -> [bool; 3] {
+        let rows =
+            picture.map(|line| core::array::from_fn(|i| if (1..6).contains(&i) { line[i - 1] } else { 0 }));
+        let marks = both(rows, [gradient.0; PIXELS_A_WORD], [gradient.1; PIXELS_A_WORD], 1, 8);
+        assert_eq!(marks.strong & !marks.candidates, 0);
+        core::array::from_fn(|i| marks.candidates >> (i + 1) & 1 != 0)
+    }
+
+    #[test]
+    fn the_crest_is_kept_in_each_direction() {
+        let ridge = [[0, 3, 9, 3, 0]; 3];
+        assert_eq!(kept(ridge, (20, 0)), [false, true, false]);
+        assert_eq!(kept(ridge, (-20, 8)), [false, true, false], "8/20 < tan 22.5°");
+        assert_eq!(kept(ridge, (20, 9)), [false, true, false], "a diagonal neighbour is lower, too");
+        assert_eq!(
+            kept(ridge, (0, 20)),
+            [false, false, false],
+            "along the ridge nothing is higher than above"
+        );
+        let falling = [[9, 3, 0, 0, 0], [3, 9, 3, 0, 0], [0, 3, 9, 3, 0]];
+        assert!(kept(falling, (20, -20))[0]);
+        assert_eq!(kept(falling, (20, 20)), [false; 3]);
+    }
+
+    #[test]
+    fn of_equals_the_first_is_kept() {
+        assert_eq!(kept([[0, 7, 7, 0, 0]; 3], (20, 0)), [true, false, false]);
+        assert_eq!(kept([[0, 7, 7, 0, 0]; 3], (-20, 0)), [true, false, false]);
+        assert_eq!(kept([[2; 5], [7; 5], [7; 5]], (0, 20)), [true; 3], "the line below is not higher");
+        assert_eq!(kept([[7; 5], [7; 5], [2; 5]], (0, 20)), [false; 3], "the line above has it");
+    }
+
+    proptest! {
+        #[test]
+        fn both_ways_agree(
+            magnitudes in prop::collection::vec(0u32..40, 3 * WINDOW),
+            gradients in prop::collection::vec(-20i16..21, 2 * PIXELS_A_WORD),
+            low in 0u32..30, more in 0u32..30,
+        ) {
+            let rows = core::array::from_fn(|row| core::array::from_fn(|i| magnitudes[row * WINDOW + i]));
+            let (x, y) = gradients.split_at(PIXELS_A_WORD);
+            let (x, y) = (core::array::from_fn(|i| x[i]), core::array::from_fn(|i| y[i]));
+            both(rows, x, y, low, low + more);
+        }
+    }
 }
