@@ -5,3 +5,4 @@ pub mod balance;
 pub mod demosaic;
 pub mod pixel;
 pub mod scale;
+pub mod edges;
