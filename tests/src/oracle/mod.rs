@@ -1,0 +1,3 @@
+//! Naive versions of the algorithms, written from their definitions.
+
+pub mod quantize;
