@@ -15,7 +15,7 @@
 //!
 //! Deviations: they keep a probability for each pixel and colour; the targets need only each pixel's mean colour, and
 //! nothing else is kept, so memory does not grow with the palette. The palette's linear system is replaced by a step
-//! to the mean of targets after each sweep. There is no coarse-to-fine pyramid: one starts from a palette (any other
+//! towards the mean of targets after each sweep. There is no coarse-to-fine pyramid: one starts from a palette (any other
 //! method's).
 //!
 //! Cost: about palette × 10 + 100 operations a pixel and sweep: by far the slowest of all, and meant for small
@@ -39,7 +39,7 @@ pub struct Annealing {
 
 impl Default for Annealing {
     fn default() -> Self {
-        Self { temperature: 2048, sweeps: 8, fixed: false }
+        Self { temperature: 2048, sweeps: 12, fixed: false }
     }
 }
 
@@ -47,6 +47,8 @@ impl Default for Annealing {
 const WEIGHTS: [i32; 5] = [1, 4, 6, 4, 1];
 /// Its middle.
 const OWN: i32 = 36;
+/// Its sum.
+const ALL: i32 = 256;
 /// Levels are kept in sixteenths.
 const FRACTION: i32 = 16;
 
@@ -151,10 +153,16 @@ pub fn spatial(
     Ok(())
 }
 
-/// Moves each colour to the mean of its pixels' targets.
+/// Moves each colour towards the mean of its pixels' targets, `OWN` / `ALL` of the way.
+///
+/// Targets hold the other pixels still, but those of the same colour move along: all the way would overshoot. The
+/// energy's matrix has no negative entries and rows that add up to at most `ALL` a pixel, so this far it only falls.
 fn improve(colors: &mut [[i32; 3]], wishes: &[Wish; MOST_COLORS]) {
     for (color, (weight, sum)) in colors.iter_mut().zip(wishes).filter(|(_, (weight, _))| *weight > 0) {
-        *color = sum.map(|sum| (sum / *weight as i64).clamp(0, i64::from(255 * FRACTION)) as i32);
+        for (level, sum) in color.iter_mut().zip(sum) {
+            let mean = (sum / *weight as i64) as i32;
+            *level = (*level + (mean - *level) * OWN / ALL).clamp(0, 255 * FRACTION);
+        }
     }
 }
 
