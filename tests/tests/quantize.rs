@@ -90,13 +90,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn searches_find_the_nearest(palette in any_palette(), pixels in vec(any::<Color>(), 100), memory in 0..3000usize) {
+    fn searches_find_the_nearest(palette in any_palette(), pixels in vec(any::<Color>(), 100), memory in 0..300usize) {
         let list: Vec<Rgb> = palette.iter().copied().map(rgb).collect();
         let mut probes = vec![Probe::EMPTY; list.len()];
         let mut nearest = Nearest::new(&list, &mut probes).unwrap();
         let mut cells = vec![Cell::EMPTY; ExactMap::<4>::cells()];
-        let mut candidates = vec![0; memory];
-        let mut exact = ExactMap::<4>::new(nearest, &mut cells, &mut candidates).unwrap();
+        let mut groups = vec![Group::EMPTY; ExactMap::<4>::groups(list.len()) + memory];
+        let mut exact = ExactMap::<4>::new(&list, &mut cells, &mut groups).unwrap();
         let mut table = vec![0; InverseMap::<4>::cells()];
         let mut inverse = InverseMap::<4>::new(nearest, &mut table).unwrap();
         // Colours of the palette and their neighbours besides any.
@@ -313,8 +313,8 @@ fn maps_agree_on_a_picture() {
     let nearest = Nearest::new(palette, &mut probes).unwrap();
     assert_eq!(map(nearest), expected);
     let mut cells = vec![Cell::EMPTY; ExactMap::<5>::cells()];
-    let mut candidates = [0; 2000];
-    assert_eq!(map(ExactMap::<5>::new(nearest, &mut cells, &mut candidates).unwrap()), expected);
+    let mut groups = [Group::EMPTY; 300];
+    assert_eq!(map(ExactMap::<5>::new(palette, &mut cells, &mut groups).unwrap()), expected);
     let mut table = vec![0; InverseMap::<5>::cells()];
     let fast = map(InverseMap::<5>::new(nearest, &mut table).unwrap());
     let error = |indices: &[u8]| -> u32 {

@@ -52,61 +52,48 @@ impl<'a, C: ColorIndex> FloydSteinberg<'a, C> {
     }
 }
 
-/// The errors on their way while a line is gone along.
-#[derive(Default)]
-struct Carry {
-    /// 7/16 of the last pixel's error, for the next pixel.
-    ahead: [i32; 3],
-    /// What the pixel below the last one has so far: 5/16 of the last error and 1/16 of the one before.
-    below: [i32; 3],
-    /// The last error itself: a sixteenth of it goes to the pixel below the next one.
-    last: [i32; 3],
-}
-
-impl Carry {
-    /// One pixel: its index, and what goes to the pixel below the previous one.
-    #[inline(always)]
-    fn step<C: ColorIndex>(&mut self, colors: &mut C, pixel: Rgb, came: [i16; 3]) -> (u8, [i16; 3]) {
-        let pixel = [pixel.r, pixel.g, pixel.b];
-        let wanted: [i32; 3] = core::array::from_fn(|channel| {
-            let came = i32::from(came[channel]) + self.ahead[channel];
-            (i32::from(pixel[channel]) + ((came + 8) >> 4)).clamp(0, 255)
-        });
-        let [r, g, b] = wanted.map(|level| level as u8);
-        let index = colors.index(Rgb { r, g, b });
-        let given = colors.palette().get(usize::from(index)).copied().unwrap_or_default();
-        let given = [given.r, given.g, given.b];
-        let mut behind = [0; 3];
-        for channel in 0..3 {
-            let error = wanted[channel] - i32::from(given[channel]);
-            // At most 9/16 of 255 levels: 2295 sixteenths.
-            behind[channel] = (self.below[channel] + 3 * error) as i16;
-            self.below[channel] = 5 * error + self.last[channel];
-            self.last[channel] = error;
-            self.ahead[channel] = 7 * error;
-        }
-        (index, behind)
-    }
-}
-
-/// Goes along a line: `go!(pixels, indices, errors)`, each in the line's direction.
+/// Goes along a line, pixels and all in the line's direction.
+///
+/// Each pixel waits for the error of the one before. So what can be added up without that error is: `partial` holds
+/// 16 times the pixel, what came from above, half for rounding, and of 7 · (wanted − given) the part that is known
+/// before the palette is asked.
 fn along<'p, C: ColorIndex>(
     colors: &mut C,
     pixels: impl Iterator<Item = &'p Rgb>,
     indices: impl Iterator<Item = &'p mut u8>,
     errors: impl Iterator<Item = &'p mut [i16; 3]>,
 ) {
-    let mut carry = Carry::default();
+    /// The highest sum that is still level 255.
+    const HIGHEST: i32 = 256 * 16 - 1;
+    let (mut wanted, mut given) = ([0i32; 3], [0i32; 3]);
+    // The last error, and what the pixel below the last one has so far: 5/16 of it and 1/16 of the one before.
+    let (mut last, mut below) = ([0i32; 3], [0i32; 3]);
     let mut previous: Option<&mut [i16; 3]> = None;
-    for ((&pixel, index), error) in pixels.zip(indices).zip(errors) {
-        let (nearest, behind) = carry.step(colors, pixel, *error);
+    for ((pixel, index), error) in pixels.zip(indices).zip(errors) {
+        let pixel = [pixel.r, pixel.g, pixel.b];
+        for channel in 0..3 {
+            let base = i32::from(pixel[channel]) * 16 + i32::from(error[channel]) + 8;
+            let partial = base + 7 * wanted[channel];
+            wanted[channel] = (partial - 7 * given[channel]).clamp(0, HIGHEST) >> 4;
+        }
+        let [r, g, b] = wanted.map(|level| level as u8);
+        let (nearest, color) = colors.entry(Rgb { r, g, b });
         *index = nearest;
+        given = [color.r, color.g, color.b].map(i32::from);
+        let mut behind = [0; 3];
+        for channel in 0..3 {
+            let error = wanted[channel] - given[channel];
+            // At most 9/16 of 255 levels: 2295 sixteenths.
+            behind[channel] = (below[channel] + 3 * error) as i16;
+            below[channel] = 5 * error + last[channel];
+            last[channel] = error;
+        }
         if let Some(previous) = previous.replace(error) {
             *previous = behind;
         }
     }
     if let Some(previous) = previous {
-        *previous = carry.below.map(|error| error as i16);
+        *previous = below.map(|error| error as i16);
     }
 }
 

@@ -16,8 +16,11 @@
 //! Map Computation", Graphics Gems II, 1991. Deviation: cells are filled on demand, so that an empty part of the
 //! cube costs nothing.
 //!
-//! Cost: a look-up a pixel. Memory: [`InverseMap::cells`] of 2 bytes (8 KiB at 4 bits, 64 KiB at 5), and the
-//! probes of [`Nearest`].
+//! A cell holds the colour besides its index, so that error diffusion, where each pixel waits for the one before, has
+//! one look-up to wait for and not two.
+//!
+//! Cost: a look-up a pixel. Memory: [`InverseMap::cells`] of 4 bytes (2 KiB at 3 bits, 16 KiB at 4, 128 KiB at 5),
+//! and the probes of [`Nearest`].
 
 use super::histogram::cell;
 use super::nearest::{BLOCK, ColorIndex, Nearest};
@@ -28,8 +31,14 @@ use crate::image::{Error, Rgb};
 #[derive(Debug)]
 pub struct InverseMap<'a, const BITS: u32> {
     nearest: Nearest<'a>,
-    /// Index + 1; 0 is not yet filled.
-    cells: &'a mut [u16],
+    /// Index, red, green, blue, from the highest byte down.
+    cells: &'a mut [u32],
+    /// What a cell holds that is not yet filled: the first index with another colour than the first.
+    empty: u32,
+}
+
+fn pack(index: u8, color: Rgb) -> u32 {
+    u32::from_be_bytes([index, color.r, color.g, color.b])
 }
 
 impl<'a, const BITS: u32> InverseMap<'a, BITS> {
@@ -44,16 +53,18 @@ impl<'a, const BITS: u32> InverseMap<'a, BITS> {
     ///
     /// # Errors
     /// [`Error::BufferLength`] if `cells` is shorter than [`InverseMap::cells`].
-    pub fn new(nearest: Nearest<'a>, cells: &'a mut [u16]) -> Result<Self, Error> {
+    pub fn new(nearest: Nearest<'a>, cells: &'a mut [u32]) -> Result<Self, Error> {
         let cells = lent("cells", cells, Self::cells())?;
-        cells.fill(0);
-        Ok(Self { nearest, cells })
+        let first = nearest.colors().first().copied().unwrap_or_default();
+        let empty = pack(0, Rgb { r: !first.r, ..first });
+        cells.fill(empty);
+        Ok(Self { nearest, cells, empty })
     }
 
     /// Fills the cell and its neighbours along blue that share a search.
     #[cold]
     #[inline(never)]
-    fn fill(&mut self, cell: usize) -> u16 {
+    fn fill(&mut self, cell: usize) -> u32 {
         let first = cell & !(BLOCK - 1);
         let mut block = [[0; BLOCK]; 3];
         for lane in 0..BLOCK {
@@ -64,9 +75,19 @@ impl<'a, const BITS: u32> InverseMap<'a, BITS> {
             }
         }
         for (cell, index) in self.cells.iter_mut().skip(first).zip(self.nearest.block(&block)) {
-            *cell = u16::from(index) + 1;
+            let color = self.nearest.colors().get(usize::from(index)).copied().unwrap_or_default();
+            *cell = pack(index, color);
         }
-        self.cells.get(cell).copied().unwrap_or(1)
+        self.cells.get(cell).copied().unwrap_or(0)
+    }
+
+    #[inline(always)]
+    fn look_up(&mut self, color: Rgb) -> u32 {
+        let cell = cell::<BITS>(color);
+        match self.cells.get(cell) {
+            Some(&filled) if filled != self.empty => filled,
+            _ => self.fill(cell),
+        }
     }
 }
 
@@ -77,12 +98,13 @@ impl<const BITS: u32> ColorIndex for InverseMap<'_, BITS> {
 
     #[inline]
     fn index(&mut self, color: Rgb) -> u8 {
-        let cell = cell::<BITS>(color);
-        let filled = match self.cells.get(cell) {
-            Some(&filled) if filled != 0 => filled,
-            _ => self.fill(cell),
-        };
-        (filled - 1) as u8
+        (self.look_up(color) >> 24) as u8
+    }
+
+    #[inline]
+    fn entry(&mut self, color: Rgb) -> (u8, Rgb) {
+        let [index, r, g, b] = self.look_up(color).to_be_bytes();
+        (index, Rgb { r, g, b })
     }
 }
 

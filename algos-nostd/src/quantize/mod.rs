@@ -59,7 +59,7 @@ pub mod spatial;
 
 pub use apply::ApplyPalette;
 pub use blue_noise::BLUE_NOISE;
-pub use exact_map::{Cell, ExactMap};
+pub use exact_map::{Cell, ExactMap, Group};
 pub use floyd_steinberg::FloydSteinberg;
 pub use histogram::{Bin, Histogram};
 pub use inverse_map::InverseMap;

@@ -21,6 +21,14 @@ pub trait ColorIndex {
     /// The index of the palette colour that stands for `color`.
     fn index(&mut self, color: Rgb) -> u8;
 
+    /// The index and the palette colour itself: what error diffusion wants.
+    #[inline]
+    fn entry(&mut self, color: Rgb) -> (u8, Rgb) {
+        let index = self.index(color);
+        // An index is always within the palette.
+        (index, self.palette().get(usize::from(index)).copied().unwrap_or_default())
+    }
+
     /// The indices of a line's pixels, as far as both slices reach.
     fn indices(&mut self, line: &[Rgb], indices: &mut [u8]) {
         for (index, &pixel) in indices.iter_mut().zip(line) {
@@ -37,6 +45,11 @@ impl<T: ColorIndex> ColorIndex for &mut T {
     #[inline]
     fn index(&mut self, color: Rgb) -> u8 {
         (**self).index(color)
+    }
+
+    #[inline]
+    fn entry(&mut self, color: Rgb) -> (u8, Rgb) {
+        (**self).entry(color)
     }
 
     fn indices(&mut self, line: &[Rgb], indices: &mut [u8]) {
