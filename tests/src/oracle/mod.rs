@@ -6,3 +6,4 @@ pub mod demosaic;
 pub mod pixel;
 pub mod scale;
 pub mod edges;
+pub mod quantize;
