@@ -1,0 +1,4 @@
+//! Naive versions of the algorithms, written from their definitions.
+
+pub mod clip;
+pub mod draw;
