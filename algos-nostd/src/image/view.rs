@@ -174,6 +174,12 @@ impl<'a, P> ImageMut<'a, P> {
         self.pixels.chunks_mut(self.stride).map(move |row| &mut row[..width])
     }
 
+    /// All pixels as one slice, the padding between lines included: the pixel (x, y) is at `y × stride + x`.
+    #[must_use]
+    pub fn as_mut_pixels(&mut self) -> &mut [P] {
+        self.pixels
+    }
+
     /// Line `y`, if there is one.
     #[must_use]
     pub fn row_mut(&mut self, y: usize) -> Option<&mut [P]> {

@@ -7,3 +7,7 @@ pub mod pixel;
 pub mod scale;
 pub mod edges;
 pub mod quantize;
+//! Naive versions of the algorithms, written from their definitions.
+
+pub mod clip;
+pub mod draw;
