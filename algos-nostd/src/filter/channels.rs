@@ -82,7 +82,7 @@ impl<F: LineFilter<Input = u8, Output = u8>> LineFilter for Channels<'_, F> {
     fn push(&mut self, line: &[Rgb], sink: &mut impl LineSink<Rgb>) -> Result<(), Error> {
         let width = self.planes.len();
         check_width(width, line.len())?;
-        let planes: &mut [u8] = rgb::bytemuck::cast_slice_mut(self.planes);
+        let planes: &mut [u8] = bytemuck::cast_slice_mut(self.planes);
         let (red, others) = planes.split_at_mut(width);
         let (green, blue) = others.split_at_mut(width);
         for (((pixel, red), green), blue) in line.iter().zip(red).zip(green).zip(blue) {
