@@ -15,7 +15,7 @@
 //! times difference in its lower half: one look-up and one addition carry both sums. The table is entered at
 //! `255 − centre`, so the neighbour's value alone is the index: no subtraction, no sign, no bounds check.
 //!
-//! Cost: per pixel and neighbour 2 loads and an addition; per pixel one 32-bit division. Memory:
+//! Cost: per pixel and neighbour 2 loads and an addition; per pixel one 32-bit division, done in vectors on a host. Memory:
 //! [`Neighbourhood::memory`], and the table: [`Bilateral::table`] entries of 8 bytes (for 5 × 5: 12 KB); a strip of
 //! [`STRIP`] columns on the stack.
 
