@@ -15,8 +15,9 @@
 //! times difference in its lower half: one look-up and one addition carry both sums. The table is entered at
 //! `255 − centre`, so the neighbour's value alone is the index: no subtraction, no sign, no bounds check.
 //!
-//! Cost: per pixel and neighbour 2 loads and an addition; per pixel one 32-bit division. Memory:
-//! [`Neighbourhood::memory`], and the table: [`Bilateral::table`] entries of 8 bytes (for 5 × 5: 12 KB).
+//! Cost: per pixel and neighbour 2 loads and an addition; per pixel one 32-bit division, done in vectors on a host. Memory:
+//! [`Neighbourhood::memory`], and the table: [`Bilateral::table`] entries of 8 bytes (for 5 × 5: 12 KB); a strip of
+//! [`STRIP`] columns on the stack.
 
 use super::neighbourhood::{Neighbourhood, RowKernel};
 use super::weights::{exp_negative, gaussian_exponent};
@@ -24,6 +25,8 @@ use crate::image::Error;
 
 /// Greatest diameter: sums of more neighbours would not fit in 32 bits.
 const SIZE_MAX: usize = 11;
+/// Distances in a disc of that diameter, without zero.
+const PARTS_MAX: usize = 13;
 /// Signed differences of two bytes.
 const DIFFERENCES: usize = 511;
 
@@ -40,7 +43,8 @@ pub struct Bilateral<'m, const SIZE: usize> {
 pub type BilateralFilter<'m, const SIZE: usize> = Neighbourhood<'m, Bilateral<'m, SIZE>, SIZE>;
 
 impl<'m, const SIZE: usize> Bilateral<'m, SIZE> {
-    /// For each place of the disc's square, which part of the table it uses; `usize::MAX` outside the disc.
+    /// For each place of the disc's square, which part of the table it uses; `usize::MAX` for the centre and outside
+    /// the disc.
     const PARTS: [[usize; SIZE]; SIZE] = parts().0;
     /// Parts of the table: distances in the disc.
     const PARTS_COUNT: usize = parts::<SIZE>().1;
@@ -88,66 +92,83 @@ impl<const SIZE: usize> RowKernel<SIZE> for Bilateral<'_, SIZE> {
 
     fn row(&mut self, rows: [&[u8]; SIZE], made: &mut [u8]) {
         // Sums first and quotients after: the division then is one loop over a strip.
-        let (mut values, mut weights) = ([0; STRIP], [1; STRIP]);
+        let table = core::array::from_fn(|part| self.table.get(part).unwrap_or(&[0; DIFFERENCES]));
+        let mut strip = [[0; STRIP + SIZE_MAX - 1]; SIZE];
+        let mut sums = [0; STRIP];
         for (index, made) in made.chunks_mut(STRIP).enumerate() {
-            let rows = rows.map(|row| &row[index * STRIP..][..made.len() + SIZE - 1]);
-            self.sums(rows, &mut values[..made.len()], &mut weights[..made.len()]);
-            divide(&values, &weights, made);
+            // Rows of a fixed length have no bounds to check.
+            for (strip, row) in strip.iter_mut().zip(rows) {
+                let width = made.len() + SIZE - 1;
+                strip[..width].copy_from_slice(&row[index * STRIP..][..width]);
+            }
+            for (x, sum) in sums.iter_mut().enumerate().take(made.len()) {
+                *sum = Self::sum(&table, &strip, x);
+            }
+            let centres = strip[SIZE / 2][SIZE / 2..].first_chunk().unwrap_or(&[0; STRIP]);
+            let mut quotients = [0; STRIP];
+            divide(&sums, centres, &mut quotients);
+            made.copy_from_slice(&quotients[..made.len()]);
         }
     }
 }
 
 impl<const SIZE: usize> Bilateral<'_, SIZE> {
-    /// The sums of weight times value, and of weights.
+    /// Both sums for the pixel in column `x` of a strip: of weights, and of weights times differences.
     #[inline(always)]
-    fn sums(&self, rows: [&[u8]; SIZE], values: &mut [u32], weights: &mut [u32]) {
-        let width = values.len().min(weights.len());
-        let rows = rows.map(|row| &row[..width + SIZE - 1]);
-        let table = &self.table[..Self::PARTS_COUNT];
-        for x in 0..width {
-            let centre = rows[SIZE / 2][x + SIZE / 2];
-            let start = usize::from(255 - centre);
-            let mut sums = 0u64;
-            for dy in 0..SIZE {
-                for dx in 0..SIZE {
-                    let part = Self::PARTS[dy][dx];
-                    if part != usize::MAX {
-                        sums = sums.wrapping_add(table[part][start + usize::from(rows[dy][x + dx])]);
-                    }
+    fn sum(
+        table: &[&[u64; DIFFERENCES]; PARTS_MAX],
+        rows: &[[u8; STRIP + SIZE_MAX - 1]; SIZE],
+        x: usize,
+    ) -> u64 {
+        let start = usize::from(255 - rows[SIZE / 2][x + SIZE / 2]);
+        // The centre itself, with a weight of one and no difference.
+        let mut sum = 1u64 << 48;
+        for dy in 0..SIZE {
+            for dx in 0..SIZE {
+                if let Some(part) = table.get(Self::PARTS[dy][dx]) {
+                    sum = sum.wrapping_add(part[start + usize::from(rows[dy][x + dx])]);
                 }
             }
-            let difference = sums as u32;
-            // A negative lower half has borrowed one from the upper.
-            weights[x] = (sums.wrapping_sub(difference as i32 as i64 as u64) >> 32) as u32;
-            values[x] = difference.wrapping_add(weights[x] * u32::from(centre));
         }
+        sum
     }
 }
 
-/// `values / weights`, rounded to nearest, for quotients of a byte and weights that are not zero.
+/// The centres plus the mean differences, rounded to nearest.
 ///
 /// A vector unit has no integer division, so where there is one the quotient's eight bits are found one by one, by
 /// comparison, many pixels at a time; elsewhere the processor's own division is shorter. The quotients are the same.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
-fn divide(values: &[u32; STRIP], weights: &[u32; STRIP], made: &mut [u8]) {
-    for ((made, &value), &weight) in made.iter_mut().zip(values).zip(weights) {
-        let value = value + weight / 2;
-        *made =
-            if cfg!(feature = "std") { divide_by_bits(value, weight) } else { (value / weight.max(1)) as u8 };
+fn divide(sums: &[u64; STRIP], centres: &[u8; STRIP], made: &mut [u8; STRIP]) {
+    for x in 0..STRIP {
+        let difference = sums[x] as u32;
+        // A negative lower half has borrowed one from the upper.
+        let weight = ((sums[x] >> 32) as u32).wrapping_add(difference >> 31);
+        // The sum of weights times values, which is not negative and below 2³¹.
+        let value = difference.wrapping_add(weight.wrapping_mul(u32::from(centres[x])));
+        let value = value.wrapping_add(weight / 2);
+        made[x] = if cfg!(feature = "std") {
+            divide_by_bits(value, weight.max(1))
+        } else {
+            (value / weight.max(1)) as u8
+        };
     }
 }
 
-/// `value / weight`, rounded down, for quotients of a byte and weights below 2²⁴.
+/// `value / weight`, rounded down, for quotients of a byte and weights of 1 to 2²³.
+///
+/// Long division: the rest moves up, the divisor comes off where it fits, and a one is left in the place that the move
+/// made free. The lesser of both rests is the right one: where the divisor does not fit, taking it off wraps round. (It
+/// would not if the rest were the divisor less one; but that is odd, and the rest was just doubled.)
 #[inline(always)]
-fn divide_by_bits(mut value: u32, weight: u32) -> u8 {
-    let mut quotient = 0;
-    for bit in (0..8).rev() {
-        let part = weight << bit;
-        let fits = value >= part;
-        value -= if fits { part } else { 0 };
-        quotient |= u32::from(fits) << bit;
+fn divide_by_bits(value: u32, weight: u32) -> u8 {
+    let less_one = (weight << 8) - 1;
+    let mut rest = value;
+    for _ in 0..8 {
+        rest <<= 1;
+        rest = rest.min(rest.wrapping_sub(less_one));
     }
-    quotient as u8
+    rest as u8
 }
 
 const fn distance_squared<const SIZE: usize>(x: usize, y: usize) -> u32 {
@@ -158,7 +179,7 @@ const fn distance_squared<const SIZE: usize>(x: usize, y: usize) -> u32 {
 /// For each place which part of the table, equal distances sharing one; and how many parts there are.
 const fn parts<const SIZE: usize>() -> ([[usize; SIZE]; SIZE], usize) {
     let mut places = [[usize::MAX; SIZE]; SIZE];
-    let (mut count, mut squared) = (0, 0);
+    let (mut count, mut squared) = (0, 1);
     while squared <= (SIZE / 2) * (SIZE / 2) {
         let mut used = false;
         let mut place = 0;
@@ -202,14 +223,15 @@ mod tests {
         assert_eq!(
             Bilateral::<5>::PARTS,
             [
-                [out, out, 3, out, out],
-                [out, 2, 1, 2, out],
-                [3, 1, 0, 1, 3],
-                [out, 2, 1, 2, out],
-                [out, out, 3, out, out]
+                [out, out, 2, out, out],
+                [out, 1, 0, 1, out],
+                [2, 0, out, 0, 2],
+                [out, 1, 0, 1, out],
+                [out, out, 2, out, out]
             ]
         );
-        assert_eq!(Bilateral::<5>::table(), 4 * 511);
+        assert_eq!(Bilateral::<5>::table(), 3 * 511);
+        assert_eq!(Bilateral::<11>::table(), PARTS_MAX * 511);
     }
 
     #[test]
@@ -244,7 +266,7 @@ mod tests {
         assert!(Bilateral::<5>::new(0, 1000, &mut table).is_err());
         assert_eq!(
             Bilateral::<5>::new(1000, 1000, &mut table[..9]).unwrap_err(),
-            Error::BufferLength { name: "table", expected: 2044, got: 9 }
+            Error::BufferLength { name: "table", expected: 1533, got: 9 }
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Median of 5 × 5: for noise in blots, at three times the price of 3 × 3.
+//! Median of 5 × 5: for noise in blots, at four times the price of 3 × 3.
 //!
 //! ```text
 //! sort each column           then across five columns            leaves, of the 25,

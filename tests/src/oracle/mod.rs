@@ -11,3 +11,4 @@ pub mod quantize;
 
 pub mod clip;
 pub mod draw;
+pub mod filter;
