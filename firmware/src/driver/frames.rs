@@ -285,6 +285,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
 
     /// Gives up all that is in flight.
     pub(super) fn lose(&mut self, outcome: Outcome) {
+        self.tally.evidence.words_moved |= self.position() > 0;
         if let Some(Filling { ended: Some(_), .. }) = self.filling {
             self.tally.lose(outcome);
         }
