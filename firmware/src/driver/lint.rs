@@ -1,6 +1,6 @@
 //! The linter: says what is wrong with a configuration before it costs an afternoon with an oscilloscope.
 //!
-//! Each rule looks at one thing, gives at most one [`Finding`], and stands with its siblings in [`RULES`]; the findings
+//! Each rule looks at one thing, gives at most one [`Finding`], and stands with its siblings in `RULES`; the findings
 //! are worked out as they are asked for, so no list has to be kept anywhere. The texts are in `findings.rs`.
 //!
 //! FCRC's reserved value cannot be written down as a [`Config`]; [`control`] looks for it, and for other reserved bits,
