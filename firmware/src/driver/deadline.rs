@@ -78,10 +78,10 @@ impl Evidence {
             Self { stopped: true, .. } => Cause::Stopped,
             Self { no_buffer: true, .. } => Cause::NoBuffer,
             // Overruns without a word moved: the bus did not slow down, it stands still.
-            Self { overruns: 1.., words_moved: false, .. } => Cause::DmaStalled,
+            Self { overruns: 1.., words_moved: false, .. }
+            | Self { last_damage: Some(Outcome::DmaStalled), .. } => Cause::DmaStalled,
             Self { last_damage: Some(Outcome::Overrun), overruns, .. } => Cause::Overrun { overruns },
             Self { last_damage: Some(Outcome::Short { expected }), .. } => Cause::ShortFrame { expected },
-            Self { last_damage: Some(Outcome::DmaStalled), .. } => Cause::DmaStalled,
             Self { last_damage: Some(outcome), .. } => Cause::Damaged(outcome),
             Self { fifo_not_empty: true, words_moved: false, .. } => Cause::DmaStalled,
             Self { hsync_moves: false, vsync_moves: false, .. } if silent => Cause::NoClock,

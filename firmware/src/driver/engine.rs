@@ -148,6 +148,11 @@ impl<'m, P: Port<'m>> Engine<'m, P> {
         Events::new_with_raw_value(events)
     }
 
+    /// The end of a frame is to be served.
+    pub(super) fn frame_has_ended(&mut self) -> bool {
+        Events::new_with_raw_value(self.port.read(Register::MaskedInterrupt)).frame()
+    }
+
     pub(super) fn status(&mut self) -> Status {
         Status::new_with_raw_value(self.port.read(Register::Status))
     }
@@ -193,7 +198,7 @@ impl<'m, P: Port<'m>> Engine<'m, P> {
         Ok(Progress::Completed { freed, line_words })
     }
 
-    /// Words that the transfer in progress has moved; 0 if the DMA has stopped.
+    /// Words that the transfer in progress has moved. A single transfer stops at its end, and then has moved none.
     pub(super) fn moved(&mut self) -> u32 {
         self.chunk.saturating_sub(self.port.remaining())
     }

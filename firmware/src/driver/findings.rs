@@ -133,6 +133,15 @@ pub enum Code {
         /// Because it is hardly longer than the FIFO, rather than because equal transfers do not fill it.
         short: bool,
     },
+    /// A shorter burst is used, because the one configured does not divide a transfer.
+    BurstShortened {
+        /// Configured.
+        burst: Burst,
+        /// Used.
+        used: Burst,
+        /// Words a transfer.
+        words: u32,
+    },
     /// Reserved bits are set.
     ReservedBits {
         /// Which.
@@ -149,7 +158,8 @@ impl Finding {
             | Code::CropPastFrame { .. }
             | Code::CropWords { .. }
             | Code::FrameAlignment { .. }
-            | Code::RestartEachFrame { .. } => Severity::Warning,
+            | Code::RestartEachFrame { .. }
+            | Code::BurstShortened { .. } => Severity::Warning,
             _ => Severity::Error,
         };
         Self { severity, code }
@@ -242,6 +252,12 @@ impl fmt::Display for Code {
                 "a frame of {words} words {}, so the DMA is restarted at each frame's end and frames that follow without vertical blanking are missed; \
                  change the number of lines or crop",
                 if short { "is hardly longer than the FIFO" } else { "is not filled by equal transfers" }
+            ),
+            Self::BurstShortened { burst, used, words } => write!(
+                f,
+                "bursts of {} words don't divide transfers of {words}, so bursts of {} are used; change the number of lines or crop for the longer ones",
+                burst.words(),
+                used.words()
             ),
             Self::ReservedBits { bits } => {
                 write!(f, "reserved bits {bits:#010x} of CR are set; write them as 0")

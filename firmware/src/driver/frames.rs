@@ -176,9 +176,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
     /// Events while capture runs; `Err` if what is in flight can't be trusted any more.
     fn run(&mut self, events: Events) -> Result<(), Outcome> {
         if events.overrun() {
-            // With the buffer full and the DMA stopped, it is the frame that is too long, not the bus too slow.
-            let too_long = !self.plan.seamless && self.full();
-            return Err(if too_long { self.too_long() } else { Outcome::Overrun });
+            return Err(Outcome::Overrun);
         }
         if events.error() {
             return Err(Outcome::SyncError);
@@ -207,16 +205,12 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         filling.window += 1;
         let (slot, window) = (filling.slot, filling.window);
         if !self.plan.seamless {
-            match () {
-                () if window + 1 < count => return self.engine.aim_free(slot, self.plan.start(window + 1)),
-                () if window >= count => {
-                    let spilled = count > 1 && self.engine.moved() > 0;
-                    self.engine.stop_dma();
-                    return if spilled { Err(self.too_long()) } else { Ok(()) };
-                }
-                () => {}
-            }
-            return Ok(());
+            // At the end of the buffer the DMA goes on at its stale target: what it moves there is too much, and shows.
+            return match () {
+                () if window + 1 < count => self.engine.aim_free(slot, self.plan.start(window + 1)),
+                () if window > count => Err(self.too_long()),
+                () => Ok(()),
+            };
         }
         match count - window {
             0 => self.filled(),
@@ -239,7 +233,8 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             }
             None => {
                 self.engine.capture(false);
-                Ok(())
+                // Had this frame ended before, capture would stop behind the next one only.
+                if self.engine.frame_has_ended() { Err(Outcome::LateInterrupt) } else { Ok(()) }
             }
         }
     }
@@ -285,6 +280,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
 
     /// Gives up all that is in flight.
     pub(super) fn lose(&mut self, outcome: Outcome) {
+        self.tally.evidence.words_moved |= self.position() > 0;
         if let Some(Filling { ended: Some(_), .. }) = self.filling {
             self.tally.lose(outcome);
         }
@@ -388,7 +384,6 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
     pub(super) fn position(&mut self) -> u32 {
         match self.filling {
             _ if self.transferred.is_some() => self.expected.words,
-            Some(filling) if filling.window >= self.plan.count => self.plan.chunk * self.plan.count,
             Some(filling) => filling.window * self.plan.chunk + self.engine.moved(),
             None => 0,
         }

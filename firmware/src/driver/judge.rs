@@ -60,7 +60,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
     }
 
     fn judge_alone(&mut self) -> Result<(), Outcome> {
-        // With the buffer full the DMA has been stopped, and what is left in the FIFO is too much.
+        // With the buffer full, what is left in the FIFO is too much.
         let drained = self.drain(|_| false);
         drained.map_err(|outcome| if self.full() { self.too_long() } else { outcome })?;
         let words = self.position();
@@ -117,8 +117,9 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
 
     /// A frame that is not as configured has ended: hands it out if that is wanted, and starts anew.
     fn damage(&mut self, verdict: Verdict) -> Result<(), Outcome> {
-        // While capture stops behind a frame there is no next buffer, and what is too much of it runs over its own.
-        let spilled = matches!(verdict.outcome, Outcome::Long { .. }) && self.filling.is_none();
+        // Without a next buffer what is too much of a frame runs over its own.
+        let no_next = self.filling.is_none() || !self.plan.seamless && self.full();
+        let spilled = matches!(verdict.outcome, Outcome::Long { .. }) && no_next;
         if self.damaged == Damaged::Discard || !verdict.outcome.is_in_place() || spilled {
             return Err(verdict.outcome);
         }
@@ -132,7 +133,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         Ok(())
     }
 
-    pub(super) fn full(&self) -> bool {
+    fn full(&self) -> bool {
         self.filling.is_some_and(|Filling { window, .. }| window >= self.plan.count)
     }
 

@@ -262,6 +262,7 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
 
     /// Gives up the frame in progress: its end says why.
     fn lose(&mut self, outcome: Outcome) {
+        self.tally.evidence.words_moved |= self.position() > 0;
         let ended = self.ended.take();
         if ended.is_some() {
             self.tally.lose(outcome);

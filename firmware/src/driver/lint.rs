@@ -1,6 +1,6 @@
 //! The linter: says what is wrong with a configuration before it costs an afternoon with an oscilloscope.
 //!
-//! Each rule looks at one thing, gives at most one [`Finding`], and stands with its siblings in [`RULES`]; the findings
+//! Each rule looks at one thing, gives at most one [`Finding`], and stands with its siblings in `RULES`; the findings
 //! are worked out as they are asked for, so no list has to be kept anywhere. The texts are in `findings.rs`.
 //!
 //! FCRC's reserved value cannot be written down as a [`Config`]; [`control`] looks for it, and for other reserved bits,
@@ -8,7 +8,9 @@
 
 use super::chunks::{IN_FLIGHT, Plan};
 use super::config::{Config, Crop, LineSelect, Policy, SyncMode};
+use super::engine::even_burst;
 pub use super::findings::{Code, Finding, Severity};
+use super::frame_camera::frame_plan;
 use crate::camif::Part;
 use crate::camif::registers::{BusWidth, ByteSelect, Control, FrameRate};
 
@@ -38,7 +40,7 @@ pub fn control(value: u32, part: &Part) -> impl Iterator<Item = Finding> + use<>
 
 type Rule = fn(&Config, &Part, Layout) -> Option<Code>;
 
-const RULES: [Rule; 17] = [
+const RULES: [Rule; 18] = [
     empty_frame,
     frame_size,
     clock_ratio,
@@ -56,6 +58,7 @@ const RULES: [Rule; 17] = [
     line_alignment,
     frame_alignment,
     restart_each_frame,
+    burst_alignment,
 ];
 
 fn empty_frame(config: &Config, _: &Part, _: Layout) -> Option<Code> {
@@ -150,7 +153,7 @@ fn crop_past_the_frame(config: &Config, _: &Part, _: Layout) -> Option<Code> {
 
 fn crop_words(config: &Config, _: &Part, _: Layout) -> Option<Code> {
     let bytes = config.crop?.clocks.saturating_mul(config.bus_width.bytes_per_sample());
-    (bytes % 4 != 0).then_some(Code::CropWords { bytes })
+    (!bytes.is_multiple_of(4)).then_some(Code::CropWords { bytes })
 }
 
 fn frame_rate(config: &Config, part: &Part, layout: Layout) -> Option<Code> {
@@ -177,12 +180,14 @@ fn line_transfer(config: &Config, part: &Part, layout: Layout) -> Option<Code> {
 
 fn line_alignment(config: &Config, part: &Part, layout: Layout) -> Option<Code> {
     let bytes = config.geometry().line_bytes;
-    (layout == Layout::Lines && !part.line_by_line && bytes % 4 != 0).then_some(Code::LineAlignment { bytes })
+    (layout == Layout::Lines && !part.line_by_line && !bytes.is_multiple_of(4))
+        .then_some(Code::LineAlignment { bytes })
 }
 
 fn frame_alignment(config: &Config, _: &Part, layout: Layout) -> Option<Code> {
     let bytes = config.geometry().bytes();
-    (layout == Layout::Frames && !config.jpeg && bytes % 4 != 0).then_some(Code::FrameAlignment { bytes })
+    (layout == Layout::Frames && !config.jpeg && !bytes.is_multiple_of(4))
+        .then_some(Code::FrameAlignment { bytes })
 }
 
 fn restart_each_frame(config: &Config, part: &Part, layout: Layout) -> Option<Code> {
@@ -191,6 +196,16 @@ fn restart_each_frame(config: &Config, part: &Part, layout: Layout) -> Option<Co
     let one_by_one = config.jpeg || config.policy == Policy::Snapshot;
     (layout == Layout::Frames && !one_by_one && !plan.seamless)
         .then_some(Code::RestartEachFrame { words, short: words < u64::from(2 * IN_FLIGHT) })
+}
+
+fn burst_alignment(config: &Config, part: &Part, layout: Layout) -> Option<Code> {
+    let words = match layout {
+        Layout::Lines if part.line_by_line => return None,
+        Layout::Lines => config.geometry().line_words(),
+        Layout::Frames => frame_plan(config, part.transfer_limit)?.chunk,
+    };
+    let used = even_burst(config.burst, words);
+    (used != config.burst).then_some(Code::BurstShortened { burst: config.burst, used, words })
 }
 
 fn plan(config: &Config, part: &Part) -> Option<Plan> {
@@ -235,7 +250,13 @@ mod tests {
         let camif = Part::CAMIF;
         let f4 = Part::STM32F4;
         let (frames, lines) = (Layout::Frames, Layout::Lines);
-        let cases: [(Config, Part, Layout, Code); 20] = [
+        let cases: [(Config, Part, Layout, Code); 21] = [
+            (
+                Config { line_clocks: 8, ..base },
+                f4,
+                lines,
+                Code::BurstShortened { burst: Burst::Four, used: Burst::Two, words: 2 },
+            ),
             (Config { lines: 0, ..base }, camif, frames, Code::EmptyFrame { line_bytes: 64, lines: 0 }),
             (
                 Config { line_clocks: 1 << 20, lines: 1 << 10, ..base },

@@ -4,16 +4,16 @@ mod frames;
 mod lines;
 mod overrun;
 mod random;
+mod waits;
 
 use core::cell::RefCell;
 
 use super::config::tests::{GATED, MARKER};
 use super::{Config, FrameCamera};
 use crate::camif::pins::{Samples, Sync};
-use crate::camif::registers::{Registers, SyncCodes};
+use crate::camif::registers::SyncCodes;
 use crate::camif::{Bus, Camif, Part};
 use crate::driver::config::SyncMode;
-use crate::port::{Dma, Port};
 
 /// The model behind a shared reference: the driver's port.
 pub(super) type Model<'c, 'm> = &'c RefCell<Camif<'m>>;
@@ -64,11 +64,18 @@ pub(super) struct Sender<'a, 'm> {
     /// Clocks until the handler is called.
     due: Option<usize>,
     first: bool,
+    ticks: u32,
 }
 
 impl<'a, 'm> Sender<'a, 'm> {
     pub(super) fn new(model: &'a RefCell<Camif<'m>>, handler: &'a dyn Fn(), wires: Wires) -> Self {
-        Self { model, handler, wires, latency: 0, blanking: (3, 40), due: None, first: true }
+        Self { model, handler, wires, latency: 0, blanking: (3, 40), due: None, first: true, ticks: 0 }
+    }
+
+    /// How often this was called, from 1.
+    pub(super) fn tick(&mut self) -> u32 {
+        self.ticks += 1;
+        self.ticks
     }
 
     /// Samples at constant levels.
@@ -176,11 +183,4 @@ pub(super) fn with_camera<const N: usize>(
     let model = RefCell::new(Camif::new(part, bus));
     let camera = FrameCamera::new(&model, buffers).unwrap();
     body(&model, &camera);
-}
-
-/// The port has every ability that the driver asks for.
-#[test]
-fn the_model_is_a_port() {
-    fn port<'m>(_: impl Port<'m> + Registers + Dma<'m>) {}
-    port(&RefCell::new(Camif::new(Part::CAMIF, Bus::IDEAL)));
 }

@@ -27,14 +27,15 @@ impl Fault {
         let count = lines.len();
         match self {
             Self::None => {}
+            // A frame without lines is no frame.
+            Self::MissingLine { .. } if count == 1 => lines[0].push(1),
             Self::ShortLine { line, by } => {
                 let line = &mut lines[line % count];
                 // Two samples are the least that a marker leaves an edge between.
                 line.truncate(line.len().saturating_sub(by).max(2));
             }
             Self::LongLine { line, by } => lines[line % count].extend((0..by).map(|x| x as u8 + 1)),
-            Self::MissingLine { line } if count > 1 => drop(lines.remove(line % count)),
-            Self::MissingLine { .. } => {}
+            Self::MissingLine { line } => drop(lines.remove(line % count)),
             Self::ExtraLine => lines.push(lines[0].clone()),
         }
         lines
@@ -101,7 +102,7 @@ fn case() -> impl Strategy<Value = Case> {
 }
 
 /// A frame that was handed out is what its verdict says it is.
-fn check(case: &Case, sent: &[Lines], verdict: &Verdict, frame: &[u8]) {
+fn check(case: &Case, sent: &[Lines], latency: usize, verdict: &Verdict, frame: &[u8]) {
     let mut bytes = sent[verdict.sequence as usize].concat();
     if !case.part.counters {
         // An incomplete word at the end does not reach memory, and without counters nothing tells of it.
@@ -134,11 +135,14 @@ fn check(case: &Case, sent: &[Lines], verdict: &Verdict, frame: &[u8]) {
         }
         outcome => panic!("{outcome} was handed out"),
     }
+    // A handler that is later than a line may take the next one's length for it, and then is too strict.
+    let lines = &sent[verdict.sequence as usize];
+    let in_time = sent.iter().flatten().all(|line| line.len() > latency);
     if case.part.counters && case.config.line_interrupts {
-        let configured =
-            sent[verdict.sequence as usize].iter().all(|line| line.len() == case.config.line_clocks as usize);
-        let lines = sent[verdict.sequence as usize].len() == case.config.lines as usize;
-        assert_eq!(verdict.outcome.is_good(), configured && lines, "{verdict}");
+        let even = lines.iter().all(|line| line.len() == case.config.line_clocks as usize);
+        let good = even && lines.len() == case.config.lines as usize;
+        let judged = verdict.outcome.is_good();
+        assert!(judged == good || !in_time && !judged, "{verdict}");
     }
 }
 
@@ -147,6 +151,9 @@ fn play<const N: usize>(case: &Case) {
     let sent: Vec<Lines> = (0..case.faults.len())
         .map(|number| case.faults[number].apply(picture(number, line_bytes, lines)))
         .collect();
+    // A handler that is later than a frame can't count frames.
+    let shortest = sent.iter().map(|lines| lines.concat().len()).min().unwrap_or(0);
+    let latency = case.latency.min(shortest / 4);
     let plan = frame_plan(&case.config, case.part.transfer_limit).unwrap();
     with_camera::<N>(case.part, case.bus, plan.room() as usize, |model, camera| {
         camera.start(&case.config).unwrap();
@@ -157,7 +164,7 @@ fn play<const N: usize>(case: &Case) {
             let frame = camera.try_frame()?;
             let sequence = frame.verdict().sequence;
             assert!(last.replace(Some(sequence)).is_none_or(|last| last < sequence), "out of order");
-            check(case, &sent, frame.verdict(), frame.bytes());
+            check(case, &sent, latency, frame.verdict(), frame.bytes());
             overruns.set(overruns.get() + frame.verdict().overruns);
             dropped_before.set(dropped_before.get() + frame.verdict().dropped_before);
             Some(frame)
@@ -175,9 +182,7 @@ fn play<const N: usize>(case: &Case) {
             }
         };
         let mut sender = Sender::new(model, &handler, case.wires);
-        // A handler that is later than a frame can't count frames.
-        let shortest = sent.iter().map(|lines| lines.concat().len()).min().unwrap_or(0);
-        sender.latency = case.latency.min(shortest / 4);
+        sender.latency = latency;
         for frame in &sent {
             sender.frame(frame);
         }
