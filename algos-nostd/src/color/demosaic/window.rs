@@ -195,7 +195,8 @@ impl Sites {
         shift: u32,
     ) {
         let lines = lines.map(|line| &line[..out.len() + LINES - 1]);
-        let done = if cfg!(feature = "std") { self.fill_blocks::<T, S, LINES>(lines, out, shift) } else { 0 };
+        let done =
+            if cfg!(feature = "std") { fill_blocks::<T, S, LINES>(self, lines, out, shift) } else { 0 };
         let lines = lines.map(|line| &line[done..]);
         let at = |x: usize| move |line: usize, column: usize| lines[line][x + column].wide();
         let own = |x| T::both(at(x), shift).own;
@@ -209,38 +210,46 @@ impl Sites {
             (false, true) => alternate(out, green, own, |[own, green, other]| Rgb::new(other, green, own)),
         }
     }
+}
 
-    /// Fills whole blocks: every place is made both ways and the right one kept, which vector units do several times
-    /// faster than one way at a time. Gives the number of pixels filled.
-    fn fill_blocks<T: Stencil<LINES>, S: Sample, const LINES: usize>(
-        self,
-        lines: [&[S]; LINES],
-        out: &mut [Rgb],
-        shift: u32,
-    ) -> usize {
-        /// Pixels a block: even, so that each begins alike.
-        const BLOCK: usize = 64;
-        let mut planes = [[0; BLOCK]; 3];
-        let (blocks, _) = out.as_chunks_mut::<BLOCK>();
-        let filled = blocks.len() * BLOCK;
-        for (start, block) in (0..).step_by(BLOCK).zip(blocks) {
-            let lines = lines.map(|line| &line[start..start + BLOCK + LINES - 1]);
-            let parity = usize::from(self.green_first);
-            for x in 0..BLOCK {
-                let Both { own, green } = T::both(|line, column| lines[line][x + column].wide(), shift);
-                let is_own = x % 2 == parity;
-                planes[0][x] = if is_own { own[0] } else { green[0] };
-                planes[1][x] = if is_own { own[1] } else { green[1] };
-                planes[2][x] = if is_own { own[2] } else { green[2] };
-            }
-            let [own, green, other] = &planes;
-            let (red, blue) = if self.red_line { (own, other) } else { (other, own) };
-            for (((pixel, &r), &g), &b) in block.iter_mut().zip(red).zip(green).zip(blue) {
-                *pixel = Rgb { r, g, b };
+/// Fills whole blocks: every place is made both ways and the right one kept, which vector units do several times
+/// faster than one way at a time. Gives the number of pixels filled.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+fn fill_blocks<T: Stencil<LINES>, S: Sample, const LINES: usize>(
+    sites: Sites,
+    lines: [&[S]; LINES],
+    out: &mut [Rgb],
+    shift: u32,
+) -> usize {
+    /// Pixels a block: even, so that each begins alike.
+    const BLOCK: usize = 64;
+    /// Samples of a line that a block reads; no stencil is wider than 5.
+    const SPAN: usize = BLOCK + 4;
+    let mut planes = [[0; BLOCK]; 3];
+    // Arrays of known length: no index in the loop below can lie outside, and the compiler sees that.
+    let mut local = lines.map(|line| [line[0]; SPAN]);
+    let mut own_sites = [0; BLOCK];
+    own_sites.iter_mut().skip(usize::from(sites.green_first)).step_by(2).for_each(|mask| *mask = 0xFF_u8);
+    let (blocks, _) = out.as_chunks_mut::<BLOCK>();
+    let filled = blocks.len() * BLOCK;
+    for (start, block) in (0..).step_by(BLOCK).zip(blocks) {
+        let reach = BLOCK + LINES - 1;
+        for (local, line) in local.iter_mut().zip(lines) {
+            local[..reach].copy_from_slice(&line[start..start + reach]);
+        }
+        for x in 0..BLOCK {
+            let Both { own, green } = T::both(|line, column| local[line][x + column].wide(), shift);
+            for channel in 0..3 {
+                planes[channel][x] = (own[channel] & own_sites[x]) | (green[channel] & !own_sites[x]);
             }
         }
-        filled
+        let [own, green, other] = &planes;
+        let (red, blue) = if sites.red_line { (own, other) } else { (other, own) };
+        for (((pixel, &r), &g), &b) in block.iter_mut().zip(red).zip(green).zip(blue) {
+            *pixel = Rgb { r, g, b };
+        }
     }
+    filled
 }
 
 #[inline(always)]
