@@ -5,9 +5,13 @@
 
 use algos_nostd::color::balance::matrix::Matrix3;
 use algos_nostd::color::balance::{Gains, gray_world};
+use algos_nostd::color::demosaic::bilinear::Bilinear;
+use algos_nostd::color::demosaic::malvar::{self, Malvar};
 use algos_nostd::color::pointwise::PixelMap;
 use algos_nostd::image::{Image, ImageMut, Rgb};
-use algos_nostd::pixel::{gray8, rgb888};
+use algos_nostd::lines::run;
+use algos_nostd::pixel::bayer::BayerOrder;
+use algos_nostd::pixel::{BitDepth, gray8, rgb888};
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -62,6 +66,23 @@ fn color(criterion: &mut Criterion) {
     let mut gray = vec![0; WIDTH * HEIGHT];
     vga.bench_function("gray", |bencher| {
         bencher.iter(|| gray8::encode_line(black_box(&source), black_box(&mut gray)).unwrap());
+    });
+
+    let (mut line, mut window) = (vec![Rgb::default(); WIDTH], vec![0; malvar::window(WIDTH)]);
+    let mosaic = Image::new(&gray, WIDTH, HEIGHT).unwrap();
+    vga.bench_function("demosaic, bilinear", |bencher| {
+        let mut filter = Bilinear::new(BayerOrder::Rggb, BitDepth::Bits8, &mut window, &mut line).unwrap();
+        bencher.iter(|| {
+            let mut out = ImageMut::new(&mut pixels, WIDTH, HEIGHT).unwrap();
+            run(&mut filter, black_box(mosaic), &mut out).unwrap();
+        });
+    });
+    vga.bench_function("demosaic, Malvar–He–Cutler", |bencher| {
+        let mut filter = Malvar::new(BayerOrder::Rggb, BitDepth::Bits8, &mut window, &mut line).unwrap();
+        bencher.iter(|| {
+            let mut out = ImageMut::new(&mut pixels, WIDTH, HEIGHT).unwrap();
+            run(&mut filter, black_box(mosaic), &mut out).unwrap();
+        });
     });
     vga.finish();
 }

@@ -34,7 +34,7 @@ fn demosaic_is_its_figure() {
     let mut random = noise(7);
     for order in BayerOrder::ALL {
         for depth in [BitDepth::Bits8, BitDepth::Bits10, BitDepth::Bits12, BitDepth::Bits14] {
-            for (width, height) in [(3, 3), (4, 3), (7, 5), (16, 9)] {
+            for (width, height) in [(3, 3), (4, 3), (7, 5), (16, 9), (131, 4)] {
                 let samples: Vec<u16> =
                     (0..width * height).map(|_| (random() as u16) & depth.max()).collect();
                 let mut line = vec![Rgb::default(); width];
@@ -120,6 +120,7 @@ fn curves_are_their_formulas() {
         let encoded = if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
         assert_eq!(to_linear.apply(value), code(linear));
         assert_eq!(to_srgb.apply(value), code(encoded));
-        assert_eq!(to_linear.apply(to_srgb.apply(value)), value, "every linear code survives");
+        let back = to_linear.apply(to_srgb.apply(value));
+        assert!(back.abs_diff(value) <= 1, "{value} there and back is {back}");
     }
 }

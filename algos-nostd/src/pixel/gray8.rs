@@ -30,8 +30,13 @@ pub const fn luma(pixel: Rgb) -> u8 {
 /// [`Error::BufferLength`] if `gray` is not as long as the line; nothing is then written.
 pub fn encode_line(pixels: &[Rgb], gray: &mut [u8]) -> Result<(), Error> {
     check_length("gray", pixels.len(), gray.len())?;
-    gray.iter_mut().zip(pixels).for_each(|(gray, &pixel)| *gray = luma(pixel));
+    weigh(pixels, gray);
     Ok(())
+}
+
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+fn weigh(pixels: &[Rgb], gray: &mut [u8]) {
+    gray.iter_mut().zip(pixels).for_each(|(gray, &pixel)| *gray = luma(pixel));
 }
 
 /// Writes a line of gray as pixels of equal red, green and blue. [`encode_line`] gives the gray back exactly.

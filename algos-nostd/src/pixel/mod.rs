@@ -6,7 +6,7 @@
 //!
 //! | module | format | bytes a pixel |
 //! |---|---|---|
-//! | [`format`] | all of them by name, with line sizes and encoding | |
+//! | [`mod@format`] | all of them by name, with line sizes and encoding | |
 //! | [`rgb888`] | red, green, blue | 3 |
 //! | [`rgb565`] | 5, 6 and 5 bits in either byte order | 2 |
 //! | [`gray8`] | BT.601 luma | 1 |

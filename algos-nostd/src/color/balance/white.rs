@@ -112,7 +112,7 @@ impl Gains {
     /// One pixel, scaled.
     #[inline]
     #[must_use]
-    pub const fn apply(&self, pixel: Rgb) -> Rgb {
+    pub fn apply(&self, pixel: Rgb) -> Rgb {
         let [r, g, b] = self.0;
         Rgb { r: scale(pixel.r, r), g: scale(pixel.g, g), b: scale(pixel.b, b) }
     }
@@ -126,11 +126,11 @@ impl PixelMap<Rgb> for Gains {
 
 /// `min(255, (value × gain + 2048) >> 12)`.
 #[inline]
-const fn scale(value: u8, gain: u16) -> u8 {
+fn scale(value: u8, gain: u16) -> u8 {
     // The high half of a product of two 16-bit numbers: one instruction in vector units.
-    let sixteenths = (((value as u16) << 8) as u32 * gain as u32) >> 16;
-    let rounded = (sixteenths as u16 + 8) >> 4;
-    if rounded > 255 { 255 } else { rounded as u8 }
+    let sixteenths = (u32::from(u16::from(value) << 8) * u32::from(gain)) >> 16;
+    // `min` and not a comparison: it is an instruction of vector units, and half as fast again.
+    ((sixteenths as u16 + 8) >> 4).min(255) as u8
 }
 
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]

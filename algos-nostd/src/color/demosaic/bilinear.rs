@@ -14,7 +14,7 @@
 //!
 //! **Cost and memory.** Eight additions a pixel; three lines of samples and one of pixels, lent by the caller.
 
-use super::window::{Sample, Window, window_samples};
+use super::window::{Both, Sample, Stencil, Wide, Window, window_samples};
 use crate::image::{Error, Rgb};
 use crate::lines::{LineFilter, LineSink, check_width};
 use crate::pixel::BitDepth;
@@ -49,32 +49,27 @@ impl<'a, S: Sample> Bilinear<'a, S> {
     }
 
     fn emit(&mut self, y: usize, sink: &mut impl LineSink<Rgb>) {
-        let [above, here, below] = [-1, 0, 1].map(|offset| self.window.line(y, offset));
-        make([above, here, below], self.out, self.window.sites(y), self.window.shift());
+        let lines = [-1, 0, 1].map(|offset| self.window.line(y, offset));
+        self.window.sites(y).fill::<Means, S, 3>(lines, self.out, self.window.shift());
         sink.line(self.out);
     }
 }
 
-#[inline(always)]
-fn make<S: Sample>(lines: [&[S]; 3], out: &mut [Rgb], sites: super::window::Sites, shift: u32) {
-    let padded = out.len() + 2;
-    let [above, here, below] = lines.map(|line| &line[..padded]);
-    // `x` is a column of the picture; its neighbourhood starts there in the padded lines.
-    let at = |line: &[S], x: usize| -> i32 { line[x].into() };
-    let code =
-        |sum: i32, halvings: u32| ((sum + ((1 << halvings) >> 1)) >> (halvings + shift)).min(255) as u8;
-    sites.fill(
-        out,
-        |x| {
-            let cross = at(above, x + 1) + at(below, x + 1) + at(here, x) + at(here, x + 2);
-            let corners = at(above, x) + at(above, x + 2) + at(below, x) + at(below, x + 2);
-            [code(at(here, x + 1), 0), code(cross, 2), code(corners, 2)]
-        },
-        |x| {
-            let (across, along) = (at(here, x) + at(here, x + 2), at(above, x + 1) + at(below, x + 1));
-            [code(across, 1), code(at(here, x + 1), 0), code(along, 1)]
-        },
-    );
+struct Means;
+
+impl Stencil<3> for Means {
+    #[inline(always)]
+    fn both<W: Wide>(at: impl Fn(usize, usize) -> W, shift: u32) -> Both {
+        let (across, along) = (at(1, 0) + at(1, 2), at(0, 1) + at(2, 1));
+        let corners = at(0, 0) + at(0, 2) + at(2, 0) + at(2, 2);
+        let here = (at(1, 1) >> shift).saturate();
+        let half = |sum: W| ((sum + W::from(1)) >> (1 + shift)).saturate();
+        let quarter = |sum: W| ((sum + W::from(2)) >> (2 + shift)).saturate();
+        Both {
+            own: [here, quarter(across + along), quarter(corners)],
+            green: [half(across), here, half(along)],
+        }
+    }
 }
 
 impl<S: Sample> LineFilter for Bilinear<'_, S> {

@@ -18,7 +18,7 @@
 //! **Cost and memory.** About 20 additions and no multiplication but by constants a pixel; five lines of samples and one
 //! of pixels, lent by the caller.
 
-use super::window::{Sample, Sites, Window, window_samples};
+use super::window::{Both, Sample, Stencil, Wide, Window, window_samples};
 use crate::image::{Error, Rgb};
 use crate::lines::{LineFilter, LineSink, check_width};
 use crate::pixel::BitDepth;
@@ -54,47 +54,35 @@ impl<'a, S: Sample> Malvar<'a, S> {
 
     fn emit(&mut self, y: usize, sink: &mut impl LineSink<Rgb>) {
         let lines = [-2, -1, 0, 1, 2].map(|offset| self.window.line(y, offset));
-        make(lines, self.out, self.window.sites(y), self.window.shift());
+        self.window.sites(y).fill::<Corrected, S, 5>(lines, self.out, self.window.shift());
         sink.line(self.out);
     }
 }
 
-#[inline(always)]
-fn make<S: Sample>(lines: [&[S]; 5], out: &mut [Rgb], sites: Sites, shift: u32) {
-    let padded = out.len() + 4;
-    let [far_above, above, here, below, far_below] = lines.map(|line| &line[..padded]);
-    // `x` is a column of the picture; its neighbourhood starts there in the padded lines.
-    let at = |line: &[S], x: usize| -> i32 { line[x].into() };
-    let code = |sixteenths: i32| ((sixteenths + 8) >> (4 + shift)).clamp(0, 255) as u8;
-    let around = |x: usize| {
-        let corners = at(above, x + 1) + at(above, x + 3) + at(below, x + 1) + at(below, x + 3);
-        let far_along = at(far_above, x + 2) + at(far_below, x + 2);
-        let far_across = at(here, x) + at(here, x + 4);
-        let along = at(above, x + 2) + at(below, x + 2);
-        let across = at(here, x + 1) + at(here, x + 3);
-        (at(here, x + 2), corners, far_along, far_across, along, across)
-    };
-    sites.fill(
-        out,
-        |x| {
-            let (center, corners, far_along, far_across, along, across) = around(x);
-            let far = far_along + far_across;
-            [
-                code(16 * center),
-                code(8 * center + 4 * (along + across) - 2 * far),
-                code(12 * center + 4 * corners - 3 * far),
-            ]
-        },
-        |x| {
-            let (center, corners, far_along, far_across, along, across) = around(x);
-            let common = 10 * center - 2 * corners;
-            [
-                code(common + 8 * across - 2 * far_across + far_along),
-                code(16 * center),
-                code(common + 8 * along - 2 * far_along + far_across),
-            ]
-        },
-    );
+struct Corrected;
+
+impl Stencil<5> for Corrected {
+    #[inline(always)]
+    fn both<W: Wide>(at: impl Fn(usize, usize) -> W, shift: u32) -> Both {
+        let corners = at(1, 1) + at(1, 3) + at(3, 1) + at(3, 3);
+        let (along, far_along) = (at(1, 2) + at(3, 2), at(0, 2) + at(4, 2));
+        let (across, far_across) = (at(2, 1) + at(2, 3), at(2, 0) + at(2, 4));
+        let (center, far) = (at(2, 2), far_along + far_across);
+        let times = |factor: i8, sum: W| W::from(factor) * sum;
+        let code = |sixteenths: W| ((sixteenths + W::from(8)) >> (4 + shift)).saturate();
+        let here = (center >> shift).saturate();
+        let green = times(8, center) + times(4, along + across) - times(2, far);
+        let opposite = times(12, center) + times(4, corners) - times(3, far);
+        let common = times(10, center) - times(2, corners);
+        Both {
+            own: [here, code(green), code(opposite)],
+            green: [
+                code(common + times(8, across) - times(2, far_across) + far_along),
+                here,
+                code(common + times(8, along) - times(2, far_along) + far_across),
+            ],
+        }
+    }
 }
 
 impl<S: Sample> LineFilter for Malvar<'_, S> {

@@ -2,9 +2,10 @@ use crate::image::{Error, Rgb};
 use crate::lines::check_width;
 use crate::pixel::BitDepth;
 use crate::pixel::bayer::{BayerOrder, Channel};
+use core::ops::{Add, Mul, Shr, Sub};
 
 /// A RAW sample: `u8`, or a right-aligned `u16`.
-pub trait Sample: Copy + Into<i32> + private::Sealed {
+pub trait Sample: Copy + private::Sealed {
     /// Bits that it can hold.
     const BITS: u32;
 }
@@ -17,10 +18,49 @@ impl Sample for u16 {
     const BITS: u32 = 16;
 }
 
+/// What sums are made in: wide enough for 28 samples, and no wider, so that more of them fit a vector.
+pub trait Wide:
+    Copy + Ord + From<i8> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Shr<u32, Output = Self>
+{
+    /// The nearest of 0 to 255.
+    fn saturate(self) -> u8;
+}
+
+impl Wide for i16 {
+    #[inline(always)]
+    fn saturate(self) -> u8 {
+        self.clamp(0, 255) as u8
+    }
+}
+
+impl Wide for i32 {
+    #[inline(always)]
+    fn saturate(self) -> u8 {
+        self.clamp(0, 255) as u8
+    }
+}
+
 mod private {
-    pub trait Sealed {}
-    impl Sealed for u8 {}
-    impl Sealed for u16 {}
+    pub trait Sealed {
+        type Wide: super::Wide;
+        fn wide(self) -> Self::Wide;
+    }
+
+    impl Sealed for u8 {
+        type Wide = i16;
+        #[inline(always)]
+        fn wide(self) -> i16 {
+            self.into()
+        }
+    }
+
+    impl Sealed for u16 {
+        type Wide = i32;
+        #[inline(always)]
+        fn wide(self) -> i32 {
+            self.into()
+        }
+    }
 }
 
 /// The last `2 × REACH + 1` lines of a mosaic, each with `REACH` mirrored samples on either side.
@@ -133,16 +173,35 @@ pub(super) struct Sites {
     green_first: bool,
 }
 
+/// Own colour, green and the other colour of a place, if it is a site of the line's own colour and if it is one of green.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Both {
+    pub(super) own: [u8; 3],
+    pub(super) green: [u8; 3],
+}
+
+/// How a place's colours are made of the samples around it.
+pub(super) trait Stencil<const LINES: usize> {
+    /// `at(line, column)` is the sample there, from the top left of the stencil's reach.
+    fn both<W: Wide>(at: impl Fn(usize, usize) -> W, shift: u32) -> Both;
+}
+
 impl Sites {
-    /// Fills a line: `own(x)` makes a site of the line's own colour, `green(x)` one of green; both give own, green and
-    /// the other colour.
-    #[inline(always)]
-    pub(super) fn fill(
+    /// Fills a line from padded lines around it.
+    pub(super) fn fill<T: Stencil<LINES>, S: Sample, const LINES: usize>(
         self,
+        lines: [&[S]; LINES],
         out: &mut [Rgb],
-        own: impl Fn(usize) -> [u8; 3],
-        green: impl Fn(usize) -> [u8; 3],
+        shift: u32,
     ) {
+        let lines = lines.map(|line| &line[..out.len() + LINES - 1]);
+        let done =
+            if cfg!(feature = "std") { fill_blocks::<T, S, LINES>(self, lines, out, shift) } else { 0 };
+        let lines = lines.map(|line| &line[done..]);
+        let at = |x: usize| move |line: usize, column: usize| lines[line][x + column].wide();
+        let own = |x| T::both(at(x), shift).own;
+        let green = |x| T::both(at(x), shift).green;
+        let out = &mut out[done..];
         // Four plain loops rather than a choice at every pixel.
         match (self.red_line, self.green_first) {
             (true, false) => alternate(out, own, green, |[own, green, other]| Rgb::new(own, green, other)),
@@ -151,6 +210,46 @@ impl Sites {
             (false, true) => alternate(out, green, own, |[own, green, other]| Rgb::new(other, green, own)),
         }
     }
+}
+
+/// Fills whole blocks: every place is made both ways and the right one kept, which vector units do several times
+/// faster than one way at a time. Gives the number of pixels filled.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+fn fill_blocks<T: Stencil<LINES>, S: Sample, const LINES: usize>(
+    sites: Sites,
+    lines: [&[S]; LINES],
+    out: &mut [Rgb],
+    shift: u32,
+) -> usize {
+    /// Pixels a block: even, so that each begins alike.
+    const BLOCK: usize = 64;
+    /// Samples of a line that a block reads; no stencil is wider than 5.
+    const SPAN: usize = BLOCK + 4;
+    let mut planes = [[0; BLOCK]; 3];
+    // Arrays of known length: no index in the loop below can lie outside, and the compiler sees that.
+    let mut local = lines.map(|line| [line[0]; SPAN]);
+    let mut own_sites = [0; BLOCK];
+    own_sites.iter_mut().skip(usize::from(sites.green_first)).step_by(2).for_each(|mask| *mask = 0xFF_u8);
+    let (blocks, _) = out.as_chunks_mut::<BLOCK>();
+    let filled = blocks.len() * BLOCK;
+    for (start, block) in (0..).step_by(BLOCK).zip(blocks) {
+        let reach = BLOCK + LINES - 1;
+        for (local, line) in local.iter_mut().zip(lines) {
+            local[..reach].copy_from_slice(&line[start..start + reach]);
+        }
+        for x in 0..BLOCK {
+            let Both { own, green } = T::both(|line, column| local[line][x + column].wide(), shift);
+            for channel in 0..3 {
+                planes[channel][x] = (own[channel] & own_sites[x]) | (green[channel] & !own_sites[x]);
+            }
+        }
+        let [own, green, other] = &planes;
+        let (red, blue) = if sites.red_line { (own, other) } else { (other, own) };
+        for (((pixel, &r), &g), &b) in block.iter_mut().zip(red).zip(green).zip(blue) {
+            *pixel = Rgb { r, g, b };
+        }
+    }
+    filled
 }
 
 #[inline(always)]
