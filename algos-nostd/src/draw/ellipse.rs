@@ -13,7 +13,9 @@ use crate::image::ImageMut;
 /// `radii` are the half widths along x and y, in pixels; with a radius of 0 it is a straight line.
 ///
 /// Reference: J. R. Van Aken, "An efficient ellipse-drawing algorithm", IEEE Computer Graphics and Applications 4 (9),
-/// 1984. We deviate at the tips: an ellipse so flat that its outline ends before the axis is closed along the axis.
+/// 1984. We deviate at the tips: an ellipse so flat that its outline ends before the axis is closed along the axis;
+/// and in changing over half a step later, which leaves fewer pixels beside the nearest: where the two parts join, one
+/// pixel of a quarter may be a neighbour of the nearest one, all others are nearest in their column or line.
 ///
 /// Cost: three additions of 64 bits for four pixels. Memory: none.
 pub fn draw_ellipse<P: Copy>(image: &mut ImageMut<'_, P>, center: Point, radii: (u16, u16), color: P) {
@@ -58,7 +60,7 @@ fn each_of_quarter((radius_x, radius_y): (u16, u16), mut pixel: impl FnMut(i32, 
     let (mut x, mut y) = (0, b);
     // 4·F at the midpoint one to the right and half below.
     let mut decision = 4 * b2 - 4 * a2 * b + a2;
-    while 2 * b2 * (x + 1) < a2 * (2 * y - 1) {
+    while b2 * (x + 1) < a2 * y {
         pixel(x as i32, y as i32);
         let outside = decision >= 0;
         decision += 4 * b2 * (2 * x + 3);
