@@ -2,3 +2,5 @@
 #![cfg_attr(not(test), no_std)]
 
 pub mod camif;
+pub mod port;
+pub mod trace;

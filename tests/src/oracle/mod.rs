@@ -1,3 +1,4 @@
 //! Oracles: each algorithm once more, slowly, from its definition.
 
+pub mod camif;
 pub mod edges;
