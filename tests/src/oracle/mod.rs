@@ -12,3 +12,4 @@ pub mod quantize;
 pub mod clip;
 pub mod draw;
 pub mod filter;
+pub mod edges;
