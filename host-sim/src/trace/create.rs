@@ -3,6 +3,7 @@
 //! The format is told by the name's end. The file is written under a temporary name in the same folder and renamed when it is
 //! whole, so that what stands under the name is always a whole trace; a writer that is dropped leaves nothing.
 
+use std::ffi::OsStr;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
@@ -57,7 +58,7 @@ enum Inner {
 /// If the name ends otherwise, the folder cannot be written, or the options have no place in the format.
 pub fn create(path: impl AsRef<Path>, options: &TraceWriterOptions) -> Result<TraceWriter, TraceError> {
     let path = path.as_ref().to_owned();
-    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    let extension = path.extension().map(OsStr::to_ascii_lowercase);
     let camt = match extension.as_ref().and_then(|extension| extension.to_str()) {
         Some("camt") => true,
         Some("vcd") => false,

@@ -2,6 +2,9 @@
 
 use super::*;
 
+/// Identifiers, and for each of their bits the wire it is.
+type Wires = Vec<(String, Vec<(usize, u32)>)>;
+
 /// A reader written from the definition: lines, words, a map of names. Only for text of one word or change a line.
 fn naive(text: &str, widths: &[(String, Vec<(usize, u32)>)]) -> Vec<Clock> {
     let (mut state, mut before, mut clocks) = (0_u32, 0_u32, Vec::new());
@@ -32,7 +35,7 @@ fn naive(text: &str, widths: &[(String, Vec<(usize, u32)>)]) -> Vec<Clock> {
 }
 
 /// Random identifiers, layouts, values and times.
-fn random_dump() -> impl Strategy<Value = (String, Vec<(String, Vec<(usize, u32)>)>)> {
+fn random_dump() -> impl Strategy<Value = (String, Wires)> {
     let ids = proptest::collection::hash_set("[!-~]{1,9}", 14);
     let changes = proptest::collection::vec((0..14_usize, any::<u16>(), 0..6_u64, 0..3_u8), 1..400);
     (ids, any::<bool>(), changes, 0..10_000_000_000_000_000_u64).prop_map(|(ids, bus, changes, start)| {

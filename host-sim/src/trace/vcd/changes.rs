@@ -151,12 +151,13 @@ impl Machine {
                         continue;
                     }
                 }
-            } else if first | 0x20 == b'b' && now.section != Section::Skipped {
-                if let Some((bits, mask, next)) = short_vector(bytes, at, ids) {
-                    now.state = now.state & !mask | bits;
-                    at = next;
-                    continue;
-                }
+            } else if first | 0x20 == b'b'
+                && now.section != Section::Skipped
+                && let Some((bits, mask, next)) = short_vector(bytes, at, ids)
+            {
+                now.state = now.state & !mask | bits;
+                at = next;
+                continue;
             }
             if is_blank(first) {
                 at += 1;

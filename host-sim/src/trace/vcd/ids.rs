@@ -51,18 +51,21 @@ impl Entry {
     }
 }
 
+/// Bits of a vector, and the bits of the state that each of them sets.
+type Taps = Vec<(u32, u32)>;
+
 /// A wanted vector.
 #[derive(Clone, Debug)]
 pub(super) struct Vector {
     /// Bits of the vector from `shift` on, as many as are in `mask`, are the lowest bits of the state.
     straight: Option<(u32, u32)>,
-    taps: Vec<(u32, u32)>,
+    taps: Taps,
     /// All bits of the state that it sets.
     pub(super) mask: u32,
 }
 
 impl Vector {
-    fn new(mut taps: Vec<(u32, u32)>) -> Self {
+    fn new(mut taps: Taps) -> Self {
         taps.sort_unstable();
         let mask = taps.iter().fold(0, |all, (_, bits)| all | bits);
         let shift = taps.first().map_or(0, |&(bit, _)| bit);
@@ -111,7 +114,7 @@ fn key(id: &[u8]) -> Option<u64> {
 
 impl IdTable {
     pub(super) fn new(declared: &Declarations, wiring: &Wiring) -> Result<Self, Problem> {
-        let mut kinds: HashMap<&[u8], (Kind, Vec<(u32, u32)>)> = HashMap::new();
+        let mut kinds: HashMap<&[u8], (Kind, Taps)> = HashMap::new();
         for (id, kind) in &declared.ids {
             let (known, _) = kinds.entry(id).or_insert((*kind, Vec::new()));
             if known != kind {

@@ -14,9 +14,9 @@ pub(super) enum Step {
     Time(u64, usize),
 }
 
-/// The step; or where it went wrong and what is wrong: nothing, if the token is not whole and more of the file is
-/// needed.
-type Outcome = Result<Step, (usize, Option<Problem>)>;
+/// Where a token went wrong, and what is wrong: nothing, if it is not whole and more of the file is needed.
+type Trouble = (usize, Option<Problem>);
+type Outcome = Result<Step, Trouble>;
 
 /// The token at `at` and where it ends.
 struct Token<'a> {
@@ -29,7 +29,7 @@ struct Token<'a> {
 
 impl<'a> Token<'a> {
     /// The token's text and where it ends; an error if it may go on in the next block.
-    fn text(&self) -> Result<(&'a [u8], usize), (usize, Option<Problem>)> {
+    fn text(&self) -> Result<(&'a [u8], usize), Trouble> {
         let to = token_end(self.bytes, self.at).min(self.end);
         if to == self.end && !self.last {
             return Err((self.at, None));
@@ -37,7 +37,7 @@ impl<'a> Token<'a> {
         Ok((self.bytes.get(self.at..to).unwrap_or_default(), to))
     }
 
-    fn wrong<T>(&self, problem: Problem) -> Result<T, (usize, Option<Problem>)> {
+    fn wrong<T>(&self, problem: Problem) -> Result<T, Trouble> {
         Err((self.at, Some(problem)))
     }
 }
@@ -188,7 +188,7 @@ fn other_value(now: Machine, token: &Token<'_>, ids: &IdTable) -> Outcome {
 }
 
 /// The token, the identifier behind it, and where that ends.
-fn value_and_id<'a>(token: &Token<'a>) -> Result<(&'a [u8], &'a [u8], usize), (usize, Option<Problem>)> {
+fn value_and_id<'a>(token: &Token<'a>) -> Result<(&'a [u8], &'a [u8], usize), Trouble> {
     let (text, to) = token.text()?;
     let blank = token.bytes.get(to..token.end).unwrap_or_default();
     let at = to + blank.iter().take_while(|&&byte| is_blank(byte)).count();
@@ -196,7 +196,7 @@ fn value_and_id<'a>(token: &Token<'a>) -> Result<(&'a [u8], &'a [u8], usize), (u
     Ok((text, id, to))
 }
 
-fn find(token: &Token<'_>, id: &[u8], ids: &IdTable) -> Result<Entry, (usize, Option<Problem>)> {
+fn find(token: &Token<'_>, id: &[u8], ids: &IdTable) -> Result<Entry, Trouble> {
     if id.is_empty() {
         return token.wrong(Problem::NoId);
     }

@@ -46,7 +46,7 @@ pub(super) fn blanks(word: u64) -> u64 {
 #[inline(always)]
 pub(super) fn digit_count(word: u64) -> u32 {
     let digits = word ^ (ONES * 0x30);
-    let others = ((digits & !HIGHS) + ONES * 0x76 | digits) & HIGHS;
+    let others = (((digits & !HIGHS) + ONES * 0x76) | digits) & HIGHS;
     others.trailing_zeros() / 8
 }
 

@@ -28,7 +28,7 @@ impl Ticks {
     /// The times for a clock, and the name of their unit.
     pub(super) fn new(hertz: u32) -> (Self, &'static str) {
         let halves = 2 * u64::from(hertz);
-        let fits = |&&(_, unit): &&(&str, u64)| SECOND / unit % halves == 0;
+        let fits = |&&(_, unit): &&(&str, u64)| (SECOND / unit).is_multiple_of(halves);
         let (name, unit) = UNITS.iter().find(fits).copied().unwrap_or(("1 ps", 1_000));
         let second = SECOND / unit;
         // Beginning with half a unit turns cutting off into rounding.
