@@ -14,7 +14,8 @@ use embedded_io::{Read, Seek, SeekFrom};
 
 use super::error::{Error, Problem};
 use super::layout::{
-    CHUNK_HEAD, CHUNK_TAIL, ChunkBuffer, ChunkType, END_BYTES, HEADER_BYTES, INDEX_HEAD, MARK_BYTES, Mark, Totals, u64_at,
+    CHUNK_HEAD, CHUNK_TAIL, ChunkBuffer, ChunkType, END_BYTES, HEADER_BYTES, INDEX_HEAD, MARK_BYTES, Mark,
+    Totals, u64_at,
 };
 use super::reader::{Progress, Reader, State};
 

@@ -60,8 +60,7 @@ fn header(bus_bits: u8) -> Header {
 
 fn write(bus_bits: u8, profile: &str, stretches: &Stretches) -> (Vec<u8>, Clocks, Totals) {
     let mut buffer = ChunkBuffer::new();
-    let mut writer =
-        Writer::new(VecSink(Vec::new()), header(bus_bits), profile, &mut buffer).unwrap();
+    let mut writer = Writer::new(VecSink(Vec::new()), header(bus_bits), profile, &mut buffer).unwrap();
     let mut clocks = Clocks::default();
     for (hsync, vsync, run) in stretches {
         let sync = Sync { hsync: *hsync, vsync: *vsync };

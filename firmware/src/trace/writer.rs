@@ -269,7 +269,8 @@ impl<W: Write, B: BorrowMut<ChunkBuffer>> Writer<W, B> {
                 }
             }
             let record = Record { clocks: record.clocks + count as u32, ..record };
-            self.buffer.borrow_mut().bytes_mut()[at..at + HEAD_BYTES].copy_from_slice(&record.head().0.to_le_bytes());
+            self.buffer.borrow_mut().bytes_mut()[at..at + HEAD_BYTES]
+                .copy_from_slice(&record.head().0.to_le_bytes());
             self.literal = Some((at, record));
             self.fill += count * wide;
             self.clock += count as u64;

@@ -1,0 +1,143 @@
+//! A trace file to be written.
+//!
+//! The format is told by the name's end. The file is written under a temporary name in the same folder and renamed when it is
+//! whole, so that what stands under the name is always a whole trace; a writer that is dropped leaves nothing.
+
+use std::ffi::OsStr;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use firmware::camif::pins::{Samples, Sync};
+use firmware::trace::{ChunkBuffer, Header, StretchSink, Writer};
+use tempfile::NamedTempFile;
+
+use super::camt::{StdIo, fast_crc32};
+use super::error::TraceError;
+use super::vcd::{VcdWriter, VcdWriterOptions};
+
+/// What a trace to be written is to say of itself.
+#[derive(Clone, Debug)]
+pub struct TraceWriterOptions {
+    /// Bus, clock, and how a VCD is laid out.
+    pub vcd: VcdWriterOptions,
+    /// VSYNC's active (blanking) level: a `.camt` marks frames where VSYNC goes to it.
+    pub vsync_active: bool,
+    /// TOML text of the profile; a `.camt` carries it.
+    pub profile: String,
+}
+
+/// What was written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Created {
+    /// Where.
+    pub path: PathBuf,
+    /// Pixel clocks.
+    pub clocks: u64,
+    /// Bytes of the file.
+    pub bytes: u64,
+}
+
+type Output = BufWriter<NamedTempFile>;
+
+/// Takes stretches and writes them to a file.
+#[derive(Debug)]
+pub struct TraceWriter {
+    path: PathBuf,
+    inner: Inner,
+}
+
+#[derive(Debug)]
+enum Inner {
+    Camt(Box<Writer<StdIo<Output>, Box<ChunkBuffer>>>),
+    Vcd(Box<VcdWriter<Output>>),
+}
+
+/// Begins a trace file; its name ends in `.camt` or `.vcd`.
+///
+/// # Errors
+/// If the name ends otherwise, the folder cannot be written, or the options have no place in the format.
+pub fn create(path: impl AsRef<Path>, options: &TraceWriterOptions) -> Result<TraceWriter, TraceError> {
+    let path = path.as_ref().to_owned();
+    let extension = path.extension().map(OsStr::to_ascii_lowercase);
+    let camt = match extension.as_ref().and_then(|extension| extension.to_str()) {
+        Some("camt") => true,
+        Some("vcd") => false,
+        _ => return Err(TraceError::Extension { path }),
+    };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let file = match temporary(folder) {
+        Ok(file) => BufWriter::with_capacity(1 << 18, file),
+        Err(error) => return Err(TraceError::Create { path, error }),
+    };
+    let inner = if camt {
+        let header = Header {
+            bus_bits: options.vcd.bus_bits,
+            vsync_active: options.vsync_active,
+            pclk_hz: options.vcd.pclk_hz,
+        };
+        let buffer = Box::new(ChunkBuffer::new());
+        match Writer::with_checksum(StdIo(file), header, &options.profile, buffer, fast_crc32) {
+            Ok(writer) => Inner::Camt(Box::new(writer)),
+            Err(error) => return Err(TraceError::WriteCamt { path, error }),
+        }
+    } else {
+        match VcdWriter::new(file, options.vcd.clone()) {
+            Ok(writer) => Inner::Vcd(Box::new(writer)),
+            Err(error) => return Err(TraceError::WriteVcd { path, error }),
+        }
+    };
+    Ok(TraceWriter { path, inner })
+}
+
+/// A file that vanishes unless it is renamed, with the permissions of any new file.
+fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".trace-");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+impl TraceWriter {
+    /// Completes the file and gives it its name; a file of that name is replaced.
+    ///
+    /// # Errors
+    /// If it cannot be written or renamed; then it is removed.
+    pub fn finish(self) -> Result<Created, TraceError> {
+        let path = self.path;
+        let (output, clocks) = match self.inner {
+            Inner::Camt(writer) => match writer.finish() {
+                Ok((output, totals)) => (output.0, totals.clocks),
+                Err(error) => return Err(TraceError::WriteCamt { path, error }),
+            },
+            Inner::Vcd(writer) => match writer.finish() {
+                Ok((output, clocks)) => (output, clocks),
+                Err(error) => return Err(TraceError::WriteVcd { path, error }),
+            },
+        };
+        let renamed = output.into_inner().map_err(io::IntoInnerError::into_error).and_then(|file| {
+            let bytes = file.as_file().metadata()?.len();
+            file.persist(&path).map_err(|failed| failed.error)?;
+            Ok(bytes)
+        });
+        match renamed {
+            Ok(bytes) => Ok(Created { path, clocks, bytes }),
+            Err(error) => Err(TraceError::Create { path, error }),
+        }
+    }
+}
+
+impl StretchSink for TraceWriter {
+    type Error = TraceError;
+
+    fn stretch(&mut self, sync: Sync, samples: Samples<'_>) -> Result<(), TraceError> {
+        match &mut self.inner {
+            Inner::Camt(writer) => writer
+                .stretch(sync, samples)
+                .map_err(|error| TraceError::WriteCamt { path: self.path.clone(), error }),
+            Inner::Vcd(writer) => writer
+                .stretch(sync, samples)
+                .map_err(|error| TraceError::WriteVcd { path: self.path.clone(), error }),
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Value change dumps (IEEE 1364-2005 §18): what simulators and logic analysers write.
+//!
+//! ```text
+//! file ─► blocks ─► declarations ─► wiring ─► changes ─► state at active edges ─► stretches
+//!                   (header)        (ids)     (changes, rare)         (sampler)
+//! ```
+//!
+//! | module | what lives there |
+//! |---|---|
+//! | `blocks` | a file as a row of blocks, with lines counted for errors |
+//! | `scan` | eight characters at a time |
+//! | `header` | the declarations |
+//! | `ids` | from identifier to wire |
+//! | `changes` | the fast loop, and the rule of when a sample is taken |
+//! | `rare` | the other tokens |
+//! | `sampler` | samples to stretches; the clock measured |
+//! | `reader` | all of it: [`VcdReader`] |
+//! | `ticks` | the time stamps of a clock |
+//! | `writer` | stretches to a file: [`VcdWriter`] |
+//! | `error` | what can be wrong, and where |
+
+mod blocks;
+mod scan;
+mod header;
+mod ids;
+mod changes;
+mod rare;
+mod sampler;
+mod reader;
+mod ticks;
+mod writer;
+mod error;
+
+pub use blocks::Place;
+pub use changes::SamplePoint;
+pub use error::{Problem, VcdError};
+pub use reader::{VcdPlayed, VcdReader};
+pub use writer::{Layout, Style, VcdNames, VcdWriteError, VcdWriter, VcdWriterOptions};
