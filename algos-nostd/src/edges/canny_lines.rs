@@ -250,9 +250,9 @@ struct Gradients<'a> {
 fn sobel_l1(rows: [&[u16]; 3], gradients: Gradients<'_>) {
     let magnitude = |x: i16, y: i16| u32::from(x.unsigned_abs()) + u32::from(y.unsigned_abs());
     if cfg!(feature = "std") {
-        sobel(rows, gradients, magnitude)
+        sobel(rows, gradients, magnitude);
     } else {
-        sobel_rolling(rows, gradients, magnitude)
+        sobel_rolling(rows, gradients, magnitude);
     }
 }
 
@@ -263,9 +263,9 @@ fn sobel_l2(rows: [&[u16]; 3], gradients: Gradients<'_>) {
         (x * x + y * y) as u32
     };
     if cfg!(feature = "std") {
-        sobel(rows, gradients, magnitude)
+        sobel(rows, gradients, magnitude);
     } else {
-        sobel_rolling(rows, gradients, magnitude)
+        sobel_rolling(rows, gradients, magnitude);
     }
 }
 
