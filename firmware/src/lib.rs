@@ -3,3 +3,4 @@
 
 pub mod camif;
 pub mod port;
+pub mod trace;

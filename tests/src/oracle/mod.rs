@@ -1,4 +1,5 @@
-//! Naive versions of the algorithms, written from their definitions.
+//! Oracles: each algorithm once more, slowly, from its definition.
 
+pub mod camif;
 pub mod clip;
 pub mod draw;

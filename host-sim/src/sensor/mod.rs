@@ -1,0 +1,32 @@
+//! The virtual sensor: takes a picture, encodes it into the profile's format and plays it with the profile's timing.
+//!
+//! ```text
+//! picture ─► encode ─► bytes of a frame ─► marker / gated / embedded ─► stretches of pixel clocks
+//! ```
+//!
+//! The map:
+//!
+//! | file | what lives there |
+//! |---|---|
+//! | `player` | [`Sensor`]: frames in order, from a scene, a picture or raw bytes |
+//! | `lines` | the samples of a line, as wide as the bus |
+//! | `marker` | every clock carries data, edges of the sync wires end lines and frames |
+//! | `gated` | blanking levels on the sync wires |
+//! | `embedded` | sync codes in the data, as in ITU-R BT.656 |
+//!
+//! What comes out are stretches of constant sync levels, a whole line of samples in one where the levels allow it,
+//! so a trace or the block's fast path takes them in bulk.
+
+mod player;
+mod lines;
+mod marker;
+mod gated;
+mod embedded;
+
+pub use embedded::make_code_free;
+pub use player::{PlayError, Sensor};
+
+#[cfg(test)]
+mod receive;
+#[cfg(test)]
+mod tests;
