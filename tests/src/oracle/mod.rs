@@ -10,3 +10,5 @@ pub mod edges;
 pub mod quantize;
 pub mod draw;
 pub mod clip;
+pub mod clip;
+pub mod draw;
