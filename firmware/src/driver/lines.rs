@@ -106,7 +106,9 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
         if self.phase == Phase::Running {
             self.tally.events(events);
             if let Err(outcome) = self.run(events) {
-                self.lose(outcome);
+                // Between frames nothing but what has ended can be lost.
+                let between = !events.vsync() && self.engine.status().vsync();
+                self.lose(outcome, !between);
             }
         }
         if events.vsync() {
@@ -184,6 +186,10 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
     }
 
     fn frame_ended(&mut self) -> Result<(), Outcome> {
+        if self.ended.is_some() {
+            // The last line of the frame before is still in the FIFO.
+            return Err(Outcome::DmaStalled);
+        }
         if !self.tally.account() {
             return Err(Outcome::LateInterrupt);
         }
@@ -261,13 +267,13 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
     }
 
     /// Gives up the frame in progress: its end says why.
-    fn lose(&mut self, outcome: Outcome) {
+    fn lose(&mut self, outcome: Outcome, in_frame: bool) {
         self.tally.evidence.words_moved |= self.position() > 0;
         let ended = self.ended.take();
         if ended.is_some() {
             self.tally.lose(outcome);
         }
-        if self.tally.account() {
+        if (in_frame || ended.is_none()) && self.tally.account() {
             self.tally.lose(outcome);
         }
         if outcome == Outcome::DmaError {
