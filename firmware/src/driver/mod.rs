@@ -54,6 +54,7 @@
 //!         play(false, false, Samples::Bytes(&line));
 //!         play(true, false, blank);
 //!     }
+//!     play(true, true, blank);
 //! };
 //! let mut now = 0;
 //! let frame = camera.wait_frame(10, || {
