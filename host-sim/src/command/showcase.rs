@@ -9,7 +9,7 @@ use crate::pipeline::{Picture, Pipeline, Runner};
 
 /// What `demo` makes of its first frame: the file, and the pipeline.
 const PICTURES: [(&str, &str); 4] = [
-    ("balanced.png", "matrix:rows=1.05;0;0;0;0.9;0;0;0;0.65|balance:gray-world"),
+    ("balanced.png", "balance:gray-world"),
     ("edges.png", "gray|canny:low=50,high=150,norm=l2"),
     ("quantized.png", "quantize:median-cut,colors=16,dither=floyd-steinberg"),
     (

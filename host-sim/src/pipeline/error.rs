@@ -1,5 +1,8 @@
 use algos_nostd::image::Error;
 
+use super::table::{names, stages};
+use crate::profile::nearest;
+
 /// What is wrong with a pipeline, or went wrong in it. Each names the stage by number, from 1, and text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -91,4 +94,15 @@ pub enum PipelineError {
         #[source]
         error: Error,
     },
+}
+
+impl PipelineError {
+    /// [`PipelineError::UnknownStage`] with what there is.
+    pub(super) fn unknown_stage(number: usize, text: &str, name: &str) -> Self {
+        let nearest = nearest(name, names()).unwrap_or("gray");
+        let others: Vec<_> =
+            stages().map(|(_, stage)| stage.name()).filter(|name| *name != nearest).collect();
+        let (text, name, others) = (text.to_owned(), name.to_owned(), others.join(", "));
+        Self::UnknownStage { number, text, name, nearest, others }
+    }
 }

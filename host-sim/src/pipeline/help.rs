@@ -3,7 +3,6 @@ use std::fmt::Write as _;
 use super::PipelineError;
 use super::kind::Kind;
 use super::table::{self, Input, Output, Stage, stages};
-use crate::profile::nearest;
 
 /// Whether a pipeline's text asks for help: `help`, or `help:NAME` with a stage's name.
 #[must_use]
@@ -21,19 +20,7 @@ pub fn help(text: &str) -> Result<String, PipelineError> {
         None => Ok(all()),
         Some((_, name)) => match table::find(name.trim()) {
             Some((stage, _)) => Ok(one(stage)),
-            None => {
-                let name = name.trim();
-                let nearest = nearest(name, table::names()).unwrap_or("gray");
-                let others: Vec<_> =
-                    stages().map(|(_, stage)| stage.name).filter(|name| *name != nearest).collect();
-                Err(PipelineError::UnknownStage {
-                    number: 1,
-                    text: text.to_owned(),
-                    name: name.to_owned(),
-                    nearest,
-                    others: others.join(", "),
-                })
-            }
+            None => Err(PipelineError::unknown_stage(1, text, name.trim())),
         },
     }
 }

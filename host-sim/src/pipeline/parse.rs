@@ -102,11 +102,7 @@ fn invocation(number: usize, text: &str) -> Result<Invocation, PipelineError> {
         return Err(PipelineError::EmptyStage { number });
     }
     let Some((stage, first)) = table::find(name) else {
-        let nearest = nearest(name, table::names()).unwrap_or("gray");
-        let others: Vec<_> =
-            table::stages().map(|(_, stage)| stage.name).filter(|name| *name != nearest).collect();
-        let (text, name) = (text.to_owned(), name.to_owned());
-        return Err(PipelineError::UnknownStage { number, text, name, nearest, others: others.join(", ") });
+        return Err(PipelineError::unknown_stage(number, text, name));
     };
     let mut given: Vec<Option<Value>> = vec![None; stage.parameters.len()];
     if let (Some(parameter), Some(slot)) = (stage.parameters.first(), given.first_mut())

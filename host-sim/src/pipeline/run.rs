@@ -62,10 +62,6 @@ fn apply(invocation: &Invocation, picture: Picture, memory: &mut Memory) -> Resu
         Input::Gray => picture.into_gray().into(),
         Input::Rgb => picture.into_rgb().into(),
     };
-    if picture.size().0 < stage.least_width {
-        let got = picture.size().0 as i64;
-        return Err(Error::Parameter { name: "width", got, allowed: "greater for this stage" });
-    }
     let arguments = Arguments { parameters: stage.parameters, values: &invocation.values };
     (stage.apply)(&arguments, picture, memory)
 }

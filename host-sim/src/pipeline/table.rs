@@ -85,7 +85,7 @@ pub struct Stage {
     pub(super) output: Output,
     /// In the order of help. The first one's value may be given without its key.
     pub(super) parameters: &'static [Parameter],
-    /// Pixels that lines have at least.
+    /// Pixels of a line from which on all of its methods work; the library refuses shorter ones.
     pub(super) least_width: usize,
     /// A pipeline that shows what it does.
     pub(super) example: &'static str,

@@ -204,7 +204,7 @@ pub(super) static STAGES: &[Stage] = &[
             parameter("plate", YES_NO, "no", "whether black lies behind it"),
             COLOR,
         ],
-        "text:camif 640 x 480,scale=2,plate=yes,color=white,at=4%x4%",
+        "text:camif 240 x 180,scale=2,plate=yes,color=white,at=4%x4%",
         text,
     ),
     drawing(

@@ -45,14 +45,14 @@ pub(super) static STAGES: &[Stage] = &[
         &[("gauss", "")],
         &[SIZE, parameter("sigma", Kind::Decimal(100, 16_000), "1.4", "standard deviation in pixels")],
         "gaussian:size=9,sigma=2",
-        gaussian,
+        |arguments, picture, _| gaussian(arguments, &picture),
     ),
     filter(
         "median",
         "the middle value: takes specks away and leaves edges",
         &[],
         &[parameter("size", Kind::OneOf(&[3, 5]), "3", "pixels a side")],
-        "median:5",
+        "median:3",
         |arguments, picture, _| match arguments.integer("size") {
             3 => neighbourhood(&picture, [Median3; 3]),
             _ => neighbourhood(&picture, [Median5; 3]),
@@ -68,7 +68,7 @@ pub(super) static STAGES: &[Stage] = &[
             parameter("range", Kind::Decimal(1, 1_000_000), "25", "σ of the difference in gray levels"),
         ],
         "bilateral:size=9,space=3,range=30",
-        bilateral,
+        |arguments, picture, _| bilateral(arguments, &picture),
     ),
     filter(
         "convolve",
@@ -94,7 +94,7 @@ pub(super) static STAGES: &[Stage] = &[
             ),
         ],
         "convolve:kernel=-2;-1;0;-1;1;1;0;1;2,mode=correlation",
-        convolve,
+        |arguments, picture, _| convolve(arguments, &picture),
     ),
     filter(
         "separable",
@@ -117,7 +117,7 @@ pub(super) static STAGES: &[Stage] = &[
             OFFSET,
         ],
         "separable:across=1;4;6;4;1,down=1;4;6;4;1,divisor=256",
-        separable,
+        |arguments, picture, _| separable(arguments, &picture),
     ),
     filter(
         "morphology",
@@ -206,17 +206,17 @@ impl AnySize for Bell<'_> {
     }
 }
 
-fn gaussian(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Result<Picture, Error> {
+fn gaussian(arguments: &Arguments<'_>, picture: &Picture) -> Result<Picture, Error> {
     let sigma = arguments.milli("sigma");
     match (arguments.integer("size"), sigma) {
-        (3, 850) => neighbourhood(&picture, [Gaussian3; 3]),
-        (5, 1400) => neighbourhood(&picture, [Gaussian5; 3]),
-        (7, 1400) => neighbourhood(&picture, [Gaussian::SEVEN; 3]),
-        (size, _) => with_size(size, Bell(&picture, sigma)),
+        (3, 850) => neighbourhood(picture, [Gaussian3; 3]),
+        (5, 1400) => neighbourhood(picture, [Gaussian5; 3]),
+        (7, 1400) => neighbourhood(picture, [Gaussian::SEVEN; 3]),
+        (size, _) => with_size(size, Bell(picture, sigma)),
     }
 }
 
-fn bilateral(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Result<Picture, Error> {
+fn bilateral(arguments: &Arguments<'_>, picture: &Picture) -> Result<Picture, Error> {
     fn run<const SIZE: usize>(picture: &Picture, space: u32, range: u32) -> Result<Picture, Error> {
         let mut tables = [(); 3].map(|()| vec![0; Bilateral::<SIZE>::table()]);
         let [red, green, blue] = &mut tables;
@@ -229,15 +229,15 @@ fn bilateral(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Res
     }
     let (space, range) = (arguments.milli("space"), arguments.milli("range"));
     match arguments.integer("size") {
-        3 => run::<3>(&picture, space, range),
-        5 => run::<5>(&picture, space, range),
-        7 => run::<7>(&picture, space, range),
-        9 => run::<9>(&picture, space, range),
-        _ => run::<11>(&picture, space, range),
+        3 => run::<3>(picture, space, range),
+        5 => run::<5>(picture, space, range),
+        7 => run::<7>(picture, space, range),
+        9 => run::<9>(picture, space, range),
+        _ => run::<11>(picture, space, range),
     }
 }
 
-fn convolve(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Result<Picture, Error> {
+fn convolve(arguments: &Arguments<'_>, picture: &Picture) -> Result<Picture, Error> {
     fn run<const SIZE: usize>(arguments: &Arguments<'_>, picture: &Picture) -> Result<Picture, Error> {
         let mut weights = [[0i16; SIZE]; SIZE];
         for (weight, number) in weights.as_flattened_mut().iter_mut().zip(arguments.numbers("kernel")) {
@@ -252,13 +252,13 @@ fn convolve(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Resu
         neighbourhood(picture, [kernel; 3])
     }
     match arguments.numbers("kernel").len() {
-        9 => run::<3>(arguments, &picture),
-        25 => run::<5>(arguments, &picture),
-        _ => run::<7>(arguments, &picture),
+        9 => run::<3>(arguments, picture),
+        25 => run::<5>(arguments, picture),
+        _ => run::<7>(arguments, picture),
     }
 }
 
-fn separable(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Result<Picture, Error> {
+fn separable(arguments: &Arguments<'_>, picture: &Picture) -> Result<Picture, Error> {
     fn run<const SIZE: usize>(arguments: &Arguments<'_>, picture: &Picture) -> Result<Picture, Error> {
         let (across, down) = (arguments.whole::<i16, SIZE>("across"), arguments.whole::<i16, SIZE>("down"));
         let kernel = Separable::new(across, down, arguments.integer("divisor"), arguments.integer("offset"))?;
@@ -269,9 +269,9 @@ fn separable(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Res
         return Err(Error::BufferLength { name: "down", expected: across, got: down });
     }
     match across {
-        3 => run::<3>(arguments, &picture),
-        5 => run::<5>(arguments, &picture),
-        _ => run::<7>(arguments, &picture),
+        3 => run::<3>(arguments, picture),
+        5 => run::<5>(arguments, picture),
+        _ => run::<7>(arguments, picture),
     }
 }
 

@@ -81,9 +81,9 @@ fn flip(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Result<P
     fn turned<P: Copy>(mut frame: Frame<P>, horizontal: bool) -> Result<Frame<P>, Error> {
         let mut view = frame.view_mut()?;
         if horizontal {
-            geometry::flip_horizontal(&mut view)
+            geometry::flip_horizontal(&mut view);
         } else {
-            geometry::flip_vertical(&mut view)
+            geometry::flip_vertical(&mut view);
         }
         Ok(frame)
     }

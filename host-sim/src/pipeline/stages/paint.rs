@@ -35,7 +35,7 @@ pub(super) static STAGES: &[Stage] = &[
             SEED,
             COLOR,
         ],
-        "canny|flood:at=50%x12%,color=blue",
+        "canny|flood:at=50%x85%,color=blue",
         flood,
     ),
     drawing(
@@ -53,7 +53,7 @@ pub(super) static STAGES: &[Stage] = &[
             parameter("softness", Kind::Integer(0, 255), "24", "over which it falls off to nothing"),
             COLOR,
         ],
-        "fuzzy-fill:at=50%x12%,tolerance=40,softness=40",
+        "fuzzy-fill:at=70%x25%,tolerance=24,softness=24,color=orange",
         fuzzy,
     ),
     drawing(
