@@ -287,6 +287,9 @@ fn zero_crossings_are_the_definition() {
     }
 }
 
+/// A definition of thinning.
+type Rule = fn(&Plane<bool>) -> Plane<bool>;
+
 /// Blots: noise, more or less of it set.
 fn blots(width: usize, height: usize, seed: u64, per_cent: u32) -> Plane<bool> {
     let mut random = random(seed);
@@ -315,7 +318,7 @@ proptest! {
         (width, height) in (1usize..80, 1usize..40), seed in any::<u64>(), dense in 30u32..95,
     ) {
         let map = blots(width, height, seed, dense);
-        let rules: [(Thinning, fn(&Plane<bool>) -> Plane<bool>); 3] = [
+        let rules: [(Thinning, Rule); 3] = [
             (Thinning::ZhangSuen, oracle::zhang_suen),
             (Thinning::GuoHall, oracle::guo_hall),
             (Thinning::FourSides, oracle::four_sides),

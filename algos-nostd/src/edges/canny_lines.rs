@@ -248,18 +248,28 @@ struct Gradients<'a> {
 
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
 fn sobel_l1(rows: [&[u16]; 3], gradients: Gradients<'_>) {
-    sobel(rows, gradients, |x, y| u32::from(x.unsigned_abs()) + u32::from(y.unsigned_abs()));
+    let magnitude = |x: i16, y: i16| u32::from(x.unsigned_abs()) + u32::from(y.unsigned_abs());
+    if cfg!(feature = "std") {
+        sobel(rows, gradients, magnitude);
+    } else {
+        sobel_rolling(rows, gradients, magnitude);
+    }
 }
 
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
 fn sobel_l2(rows: [&[u16]; 3], gradients: Gradients<'_>) {
-    sobel(rows, gradients, |x, y| {
+    let magnitude = |x: i16, y: i16| {
         let (x, y) = (i32::from(x), i32::from(y));
         (x * x + y * y) as u32
-    });
+    };
+    if cfg!(feature = "std") {
+        sobel(rows, gradients, magnitude);
+    } else {
+        sobel_rolling(rows, gradients, magnitude);
+    }
 }
 
-/// Sobel's gradient of padded rows. The smoothed levels are at most 5,068, so four of them fit 16 bits with a sign.
+/// Sobel's gradient of padded rows, every pixel by itself: for vector units. The smoothed levels are at most 5,068, so four of them fit 16 bits with a sign.
 #[inline(always)]
 fn sobel(rows: [&[u16]; 3], gradients: Gradients<'_>, magnitude: impl Fn(i16, i16) -> u32) {
     let Gradients { x: x_row, y: y_row, magnitudes } = gradients;
@@ -276,5 +286,69 @@ fn sobel(rows: [&[u16]; 3], gradients: Gradients<'_>, magnitude: impl Fn(i16, i1
         x_row[column] = x;
         y_row[column] = y;
         magnitudes[column] = magnitude(x, y);
+    }
+}
+
+/// The same for a processor that takes one pixel at a time: each column is weighted once and used three times.
+#[inline(always)]
+fn sobel_rolling(rows: [&[u16]; 3], gradients: Gradients<'_>, magnitude: impl Fn(i16, i16) -> u32) {
+    let Gradients { x: x_row, y: y_row, magnitudes } = gradients;
+    let [above, centre, below] = rows;
+    let mut columns = above.iter().zip(centre).zip(below).map(|((&above, &centre), &below)| {
+        let (above, centre, below) = (i32::from(above), i32::from(centre), i32::from(below));
+        (above + 2 * centre + below, below - above)
+    });
+    let (Some((mut left_sum, mut left_rise)), Some((mut sum, mut rise))) = (columns.next(), columns.next())
+    else {
+        return; // a padded row has three columns or more
+    };
+    for (((x_place, y_place), place), (right_sum, right_rise)) in
+        x_row.iter_mut().zip(y_row).zip(magnitudes).zip(columns)
+    {
+        let (x, y) = ((right_sum - left_sum) as i16, (left_rise + 2 * rise + right_rise) as i16);
+        (*x_place, *y_place, *place) = (x, y, magnitude(x, y));
+        (left_sum, left_rise) = (sum, rise);
+        (sum, rise) = (right_sum, right_rise);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn both_ways_to_the_gradient_agree(levels in prop::collection::vec(0u16..=5068, 9..120)) {
+            let padded = levels.len() / 3;
+            let rows: [&[u16]; 3] = core::array::from_fn(|row| &levels[row * padded..][..padded]);
+            let made = |rolling: bool| {
+                let (mut x, mut y, mut magnitudes) = (vec![0; padded + 5], vec![0; padded + 5], vec![0; padded - 2]);
+                let gradients = Gradients { x: &mut x, y: &mut y, magnitudes: &mut magnitudes };
+                let magnitude = |x: i16, y: i16| u32::from(x.unsigned_abs()) * 7 + u32::from(y.unsigned_abs());
+                if rolling { sobel_rolling(rows, gradients, magnitude) } else { sobel(rows, gradients, magnitude) }
+                (x, y, magnitudes)
+            };
+            prop_assert_eq!(made(true), made(false));
+        }
+    }
+
+    #[test]
+    fn latency_is_what_it_says() {
+        use super::super::smooth::{Gaussian5, NoSmoothing};
+        fn lines_out<S: Smoothing>(lines: usize) -> usize {
+            let thresholds = Thresholds { low: 1, high: 2, norm: Norm::L1 };
+            let mut memory = vec![0; CannyLines::<S>::memory(40)];
+            let mut filter = CannyLines::<S>::new(40, thresholds, &mut memory).unwrap();
+            let mut made = 0;
+            for _ in 0..lines {
+                filter.push(&[9; 40], &mut |line: &[Marks]| made += line.len() / 2).unwrap();
+            }
+            made
+        }
+        assert_eq!(lines_out::<NoSmoothing>(2), 0);
+        assert_eq!(lines_out::<NoSmoothing>(CannyLines::<NoSmoothing>::LATENCY + 1), 1);
+        assert_eq!(lines_out::<Gaussian5>(4), 0);
+        assert_eq!(lines_out::<Gaussian5>(CannyLines::<Gaussian5>::LATENCY + 1), 1);
     }
 }

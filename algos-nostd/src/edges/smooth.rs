@@ -120,12 +120,16 @@ fn gaussian5(rows: [&[u8]; 5], columns: &mut [u16], smooth: &mut [u16]) {
     {
         let (outer, inner, centre) =
             (&mut outer[2..][..width], &mut inner[2..][..width], &mut centre[2..][..width]);
+        let [first, second, third, fourth, fifth] = rows;
         for x in 0..width {
-            let [a, b, c, d, e] = rows.map(|row| u16::from(row[x]));
-            let (far, near) = (a + e, b + d);
-            outer[x] = 2 * far + 4 * near + 5 * c;
-            inner[x] = 4 * far + 9 * near + 12 * c;
-            centre[x] = 5 * far + 12 * near + 15 * c;
+            let far = u16::from(first[x]) + u16::from(fifth[x]);
+            let near = u16::from(second[x]) + u16::from(fourth[x]);
+            let here = u16::from(third[x]);
+            // 2 4 5; 4 9 12 is twice that and 0 1 2; 5 12 15 three times that less 1 0 0.
+            let sum = 2 * far + 4 * near + 5 * here;
+            outer[x] = sum;
+            inner[x] = 2 * sum + near + 2 * here;
+            centre[x] = 3 * sum - far;
         }
     }
     for sums in [&mut *outer, &mut *inner, &mut *centre] {

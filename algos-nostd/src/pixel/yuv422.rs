@@ -102,13 +102,13 @@ impl Coefficients {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn luma(&self, pixel: Rgb) -> u8 {
         clamp((weigh(self.luma, wide(pixel)) + (self.black << 16) + HALF) >> 16)
     }
 
     /// Luma of either pixel and the chroma of their mean, as `[Y0, Y1, Cb, Cr]`.
-    #[inline]
+    #[inline(always)]
     fn encode(&self, first: Rgb, second: Rgb) -> [u8; 4] {
         let (one, two) = (wide(first), wide(second));
         let sum = [one[0] + two[0], one[1] + two[1], one[2] + two[2]];
@@ -117,7 +117,7 @@ impl Coefficients {
         [self.luma(first), self.luma(second), chroma(self.blue_difference), chroma(self.red_difference)]
     }
 
-    #[inline]
+    #[inline(always)]
     fn decode(&self, luma: u8, cb: u8, cr: u8) -> Rgb {
         let gray = (i32::from(luma) - self.black) * self.gray_from_luma + HALF;
         let (cb, cr) = (i32::from(cb) - 128, i32::from(cr) - 128);
@@ -167,6 +167,12 @@ pub fn encode_line(
     coefficients: &Coefficients,
 ) -> Result<(), Error> {
     check(pixels.len(), bytes.len())?;
+    encode_groups(pixels, bytes, packing, *coefficients);
+    Ok(())
+}
+
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+fn encode_groups(pixels: &[Rgb], bytes: &mut [u8], packing: Packing, coefficients: Coefficients) {
     let (pairs, _) = pixels.as_chunks::<2>();
     let (groups, _) = bytes.as_chunks_mut::<4>();
     for (group, &[first, second]) in groups.iter_mut().zip(pairs) {
@@ -176,7 +182,6 @@ pub fn encode_line(
             Packing::Uyvy => [cb, y0, cr, y1],
         };
     }
-    Ok(())
 }
 
 /// Reads a line of pixels; each pair shares its chroma. Codes outside the range are clamped as colours.

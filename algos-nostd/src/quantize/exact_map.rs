@@ -98,7 +98,7 @@ impl<'a, const BITS: u32> ExactMap<'a, BITS> {
     /// Cells needed.
     #[must_use]
     pub const fn cells() -> usize {
-        assert!(BITS >= 1 && BITS <= 6, "the map keeps 1 to 6 bits of a channel");
+        const { assert!(BITS >= 1 && BITS <= 6, "the map keeps 1 to 6 bits of a channel") };
         1 << (3 * BITS)
     }
 

@@ -40,7 +40,7 @@ impl<'a, const BITS: u32> Histogram<'a, BITS> {
     /// Bins needed.
     #[must_use]
     pub const fn bins() -> usize {
-        assert!(BITS >= 1 && BITS <= 6, "a histogram keeps 1 to 6 bits of a channel");
+        const { assert!(BITS >= 1 && BITS <= 6, "a histogram keeps 1 to 6 bits of a channel") };
         1 << (3 * BITS)
     }
 

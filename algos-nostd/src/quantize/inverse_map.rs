@@ -9,7 +9,7 @@
 //!
 //! A cell's colour is the one nearest to the cell's middle. So the colour given to a pixel can be farther than the
 //! nearest, by at most twice the distance from the middle to a corner: with cells of `s` = 2^(8 − `BITS`) levels,
-//! √3·(s − 1) levels (12.2 at 5 bits, 5.2 at 6). It happens only in cells that lie across the border of two colours,
+//! √3·(s − 1) levels (12.1 at 5 bits, 5.2 at 6). It happens only in cells that lie across the border of two colours,
 //! and there both are about equally far. [`super::ExactMap`] has no such error.
 //!
 //! Reference: Heckbert, "Color Image Quantization for Frame Buffer Display", 1982; Thomas, "Efficient Inverse Color
@@ -45,7 +45,7 @@ impl<'a, const BITS: u32> InverseMap<'a, BITS> {
     /// Cells needed.
     #[must_use]
     pub const fn cells() -> usize {
-        assert!(BITS >= 1 && BITS <= 6, "the map keeps 1 to 6 bits of a channel");
+        const { assert!(BITS >= 1 && BITS <= 6, "the map keeps 1 to 6 bits of a channel") };
         1 << (3 * BITS)
     }
 

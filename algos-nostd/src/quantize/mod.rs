@@ -30,11 +30,14 @@
 //! | [`ordered`], [`blue_noise`] | line filter with tiles of thresholds |
 //! | [`mod@spatial`] | palette and dithering found together (Puzicha and others) |
 //!
-//! | aim | recipe |
-//! |---|---|
-//! | fast | `Histogram<5>`, `Wu<5>`, `InverseMap<5>` |
-//! | quality | `Histogram<6>`, `Wu<5>`, `KMeans` with 5 iterations, `ExactMap<5>` (or `Nearest` up to 32 colours) |
-//! | small (32 KiB in all) | `Histogram<3>`, `Wu<3>`, `InverseMap<4>` |
+//! Recipes, and the mean peak signal-to-noise ratio over four photographs of 640 × 480:
+//!
+//! | aim | recipe | 16 colours | 256 colours |
+//! |---|---|---|---|
+//! | fast | `Histogram<5>`, `Wu<5>`, `InverseMap<5>` | 29.3 dB | 39.3 dB |
+//! | quality | `Histogram<6>`, `Wu<5>`, `KMeans` with 5 iterations, `ExactMap<5>` | 29.7 dB | 40.2 dB |
+//! | small: 28 KiB in all | `Histogram<3>`, `Wu<3>`, `Nearest` | 29.4 dB | |
+//! | small and fast: 30 KiB | `Histogram<3>`, `Wu<3>`, `InverseMap<3>` | 28.9 dB | |
 
 mod samples;
 

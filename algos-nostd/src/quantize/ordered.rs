@@ -9,9 +9,9 @@
 //! ```
 //!
 //! Reference: Bayer, "An Optimum Method for Two-Level Rendition of Continuous-Tone Pictures", 1973; for the tile of
-//! blue noise see [`BLUE_NOISE`]. With a palette of any kind, ½ to −½ of `spread` levels are added to the
-//! pixel, less the higher the threshold, and the nearest colour taken. The right spread is the step between neighbouring colours:
-//! [`Ordered::spread_of`] measures it.
+//! blue noise see [`BLUE_NOISE`]. With a palette of any kind, ½ to −½ of `spread` levels are added
+//! to the pixel, less the higher the threshold, and the nearest colour taken. The right spread is the step between
+//! neighbouring colours: [`Ordered::spread_of`] measures it.
 //!
 //! Cost: an addition a channel, and the [`ColorIndex`]. Memory: a line of pixels and one of indices.
 
@@ -102,8 +102,8 @@ pub struct Ordered<'a, C> {
 }
 
 impl<'a, C: ColorIndex> Ordered<'a, C> {
-    /// A filter for lines of `width` pixels with thresholds `spread` levels apart (0 is no dithering), and lent memory for as many
-    /// pixels and indices.
+    /// A filter for lines of `width` pixels with thresholds `spread` levels apart (0 is no dithering), and lent
+    /// memory for as many pixels and indices.
     ///
     /// # Errors
     /// If `width` is zero or a buffer is shorter.

@@ -90,7 +90,7 @@ impl<'a, const BITS: u32> Wu<'a, BITS> {
     /// Moments needed: the grid points of the cube.
     #[must_use]
     pub const fn moments() -> usize {
-        assert!(BITS >= 1 && BITS <= 6, "the grid has 1 to 6 bits a channel");
+        const { assert!(BITS >= 1 && BITS <= 6, "the grid has 1 to 6 bits a channel") };
         Self::SIDE * Self::SIDE * Self::SIDE
     }
 

@@ -153,7 +153,9 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         if self.phase == Phase::Running {
             self.tally.events(events);
             if let Err(outcome) = self.run(events) {
-                self.lose(outcome);
+                // Between frames nothing but what has ended can be lost.
+                let between = !events.vsync() && self.engine.status().vsync();
+                self.lose(outcome, !between);
             }
         }
         if events.vsync() {
@@ -279,12 +281,13 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
     }
 
     /// Gives up all that is in flight.
-    pub(super) fn lose(&mut self, outcome: Outcome) {
+    pub(super) fn lose(&mut self, outcome: Outcome, in_frame: bool) {
         self.tally.evidence.words_moved |= self.position() > 0;
-        if let Some(Filling { ended: Some(_), .. }) = self.filling {
+        let ended = self.filling.is_some_and(|filling| filling.ended.is_some());
+        if ended {
             self.tally.lose(outcome);
         }
-        if self.tally.account() {
+        if (in_frame || !ended) && self.tally.account() {
             self.tally.lose(outcome);
         }
         if outcome == Outcome::DmaError {
@@ -376,7 +379,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         self.next = Some(slot as u8);
         match self.engine.aim_free(slot as u8, 0) {
             Ok(()) => self.engine.capture(true),
-            Err(outcome) => self.lose(outcome),
+            Err(outcome) => self.lose(outcome, true),
         }
     }
 

@@ -21,7 +21,7 @@ use crate::port::{Port, SLOTS};
 /// Two buffers are with the DMA at any time, so with four the consumer may lag by two lines. A line for which no buffer is
 /// free is dropped and counted. Share it as [`FrameCamera`](super::FrameCamera); it must be served once a line.
 pub struct LineCamera<'m, P, const N: usize> {
-    shared: Shared<Lines<'m, P, N>>,
+    pub(super) shared: Shared<Lines<'m, P, N>>,
     /// The shortest buffer and its words.
     shortest: (u8, u32),
 }
@@ -228,7 +228,8 @@ impl<'m, P: Port<'m>, const N: usize> Line<'_, 'm, P, N> {
         self.info.index
     }
 
-    /// Its bytes as the DMA wrote them.
+    /// Its bytes as the DMA wrote them. If it is shorter than configured, its length is known to the byte with
+    /// [`Config::line_interrupts`] only, and if it left the FIFO before the next line ended; else to the end of the word.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         let memory: &[u8] = bytemuck::cast_slice(self.memory.as_deref().unwrap_or(&[]));

@@ -11,6 +11,7 @@
 //!
 //! A frame of which no line was kept has no end either: the next verdict's `dropped_before` counts it.
 
+use super::chunks::IN_FLIGHT;
 use super::config::Config;
 use super::engine::{Engine, POLLS, Progress, even_burst};
 use super::frames::Phase;
@@ -106,7 +107,9 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
         if self.phase == Phase::Running {
             self.tally.events(events);
             if let Err(outcome) = self.run(events) {
-                self.lose(outcome);
+                // Between frames nothing but what has ended can be lost.
+                let between = !events.vsync() && self.engine.status().vsync();
+                self.lose(outcome, !between);
             }
         }
         if events.vsync() {
@@ -184,14 +187,21 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
     }
 
     fn frame_ended(&mut self) -> Result<(), Outcome> {
+        if self.ended.is_some() {
+            // The last line of the frame before is still in the FIFO.
+            return Err(Outcome::DmaStalled);
+        }
         if !self.tally.account() {
             return Err(Outcome::LateInterrupt);
         }
         let verdict = self.judge().inspect_err(|&outcome| self.tally.lose(outcome))?;
-        if verdict.lines > self.complete
-            && verdict.lines - self.complete <= 2
-            && self.starts_lines_anew(&verdict)
-        {
+        let missing = verdict.lines.saturating_sub(self.complete);
+        if missing > 0 && self.starts_lines_anew(&verdict) {
+            // A line is a word at least, so no more of them can be on their way.
+            if missing > IN_FLIGHT {
+                self.tally.lose(Outcome::LateInterrupt);
+                return Err(Outcome::LateInterrupt);
+            }
             self.ended = Some(verdict);
             return Ok(());
         }
@@ -261,13 +271,13 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
     }
 
     /// Gives up the frame in progress: its end says why.
-    fn lose(&mut self, outcome: Outcome) {
+    fn lose(&mut self, outcome: Outcome, in_frame: bool) {
         self.tally.evidence.words_moved |= self.position() > 0;
         let ended = self.ended.take();
         if ended.is_some() {
             self.tally.lose(outcome);
         }
-        if self.tally.account() {
+        if (in_frame || ended.is_none()) && self.tally.account() {
             self.tally.lose(outcome);
         }
         if outcome == Outcome::DmaError {

@@ -1,6 +1,6 @@
 //! A trace file of any format.
 //!
-//! The format is told by the first bytes: `CAMT`, or a `$` keyword for a value change dump. Playing opens the file anew, so a
+//! The format is told by the first bytes: `CAMT`, or a `$` keyword (or sigrok's `META` line) for a value change dump. Playing opens the file anew, so a
 //! trace can be played often. Memory does not depend on the file's length.
 
 use std::fs::File;
@@ -101,7 +101,7 @@ fn sniff(head: &[u8]) -> Option<Format> {
         return Some(Format::Camt);
     }
     let text = head.trim_ascii_start();
-    (text.first() == Some(&b'$')).then_some(Format::Vcd)
+    (text.starts_with(b"$") || text.starts_with(b"META ")).then_some(Format::Vcd)
 }
 
 impl Trace {

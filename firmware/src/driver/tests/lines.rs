@@ -1,8 +1,11 @@
 //! Lines in, lines out.
 
+use proptest::prelude::*;
+
 use super::super::config::Crop;
 use super::super::verdict::{Outcome, Verdict};
 use super::super::{LineCamera, LineEvent};
+use super::random::{Case, case};
 use super::*;
 use crate::camif::Hold;
 use crate::camif::registers::Burst;
@@ -235,4 +238,86 @@ fn vga_takes_eight_kibibytes() {
         sender.close();
         assert_eq!((lines.take(), camera.statistics().delivered), (960, 2));
     });
+}
+
+/// Plays a random case; each line that comes is one that was sent, and a good end follows all lines of its frame.
+fn play_case(case: &Case) {
+    let sent = case.sent();
+    let width = case.config.line_clocks as usize;
+    let shortest = sent.iter().flatten().map(Vec::len).min().unwrap_or(0);
+    with_lines::<5>(case.part, case.bus, width.div_ceil(4), |model, camera| {
+        camera.start(&case.config).unwrap();
+        let (step, next, held) = (RefCell::new(0), RefCell::new((0, 0)), RefCell::new(vec![]));
+        // Lines of each frame that came.
+        let came = RefCell::new(vec![0; sent.len()]);
+        let take = || {
+            let event = camera.try_line()?;
+            match &event {
+                LineEvent::Line(line) => {
+                    let (frame, index) = (line.frame() as usize, line.index() as usize);
+                    assert!(next.replace((frame, index + 1)) <= (frame, index), "out of order");
+                    came.borrow_mut()[frame] += 1;
+                    // Where lines are packed, one of another length shifts those after it.
+                    let whole = sent[frame].iter().all(|line| line.len() == width);
+                    if case.part.line_by_line {
+                        let line_sent = &sent[frame][index];
+                        // Unless a line is measured before the next one ends, its padding counts as line.
+                        let padded = 3;
+                        let sent_bytes = line_sent.len().min(line.len());
+                        assert_eq!(line[..sent_bytes], line_sent[..sent_bytes]);
+                        assert!(line.len() <= width && line.len() <= sent_bytes + padded);
+                    } else if whole {
+                        assert_eq!(**line, sent[frame][index]);
+                    }
+                }
+                LineEvent::FrameEnd(verdict) => {
+                    let frame = verdict.sequence as usize;
+                    assert!(next.replace((frame + 1, 0)).0 <= frame, "the end comes after its lines");
+                    if verdict.outcome.is_good() {
+                        assert_eq!(came.borrow()[frame], case.config.lines as usize, "{verdict}");
+                        assert_eq!(verdict.bytes as usize / 4, sent[frame].concat().len() / 4, "{verdict}");
+                    }
+                }
+            }
+            Some(event)
+        };
+        let handler = || {
+            camera.on_interrupt();
+            let index = step.replace_with(|step| *step + 1);
+            let mut held = held.borrow_mut();
+            match case.consumer[index % case.consumer.len()] {
+                0 => held.extend(take()),
+                1 if !held.is_empty() => drop(held.remove(0)),
+                2 => drop(held.pop()),
+                3 => while take().is_some() {},
+                _ => {}
+            }
+        };
+        let mut sender = Sender::new(model, &handler, case.wires);
+        sender.latency = case.latency.min(shortest / 3);
+        for frame in &sent {
+            sender.frame(frame);
+        }
+        sender.close();
+        while take().is_some() {}
+        // The marker that ends the last frame starts another, which may be lost as well.
+        let counted = camera.statistics().frames() as usize;
+        let opened = usize::from(case.wires == Wires::Marker);
+        assert!((sent.len()..=sent.len() + opened).contains(&counted), "{:?}", camera.statistics());
+        held.borrow_mut().clear();
+        camera.stop();
+        assert_eq!(camera.shared.with(|state| state.machine.ring.free()), 5, "a buffer is lost");
+    });
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    #[test]
+    fn random_lines_are_those_sent(case in case()) {
+        // Shorter lines are warned of: the FIFO holds several.
+        if case.sent().iter().flatten().all(|line| line.len() > 16) && case.config.line_clocks > 16 {
+            play_case(&case);
+        }
+    }
 }

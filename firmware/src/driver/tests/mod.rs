@@ -1,5 +1,6 @@
 //! The driver on the model: a sender plays frames on the wires, a bench calls the handler when an interrupt line is high.
 
+mod cost;
 mod frames;
 mod lines;
 mod overrun;
@@ -162,8 +163,8 @@ impl<'a, 'm> Sender<'a, 'm> {
             }
             Wires::Embedded => self.samples(false, false, &[0x10; 200]),
         }
-        for _ in 0..4 {
-            self.model.borrow_mut().elapse(500);
+        for _ in 0..500 {
+            self.model.borrow_mut().elapse(1);
             self.due = self.due.map(|_| 0);
             self.serve();
         }

@@ -1,4 +1,3 @@
-use algos_nostd::clip;
 use algos_nostd::draw::draw_line;
 use algos_nostd::edges::gradient::{CentralDifference, Prewitt, Roberts, Scharr, Sobel};
 use algos_nostd::edges::measure::{Components, L1, L2, Saturated, Sector4, Sector8};
@@ -297,10 +296,9 @@ pub(super) fn traced_curves(arguments: &Arguments<'_>, map: &Map) -> Result<Vec<
 /// Lines from point to point.
 pub(super) fn draw_curve(frame: &mut Frame<Rgb>, curve: &[Point], color: Rgb) -> Result<(), Error> {
     let mut view = frame.view_mut()?;
-    let point = |point: Point| clip::Point::new(point.x, point.y);
     for pair in curve.windows(2) {
         if let &[from, to] = pair {
-            draw_line(&mut view, point(from), point(to), color);
+            draw_line(&mut view, from, to, color);
         }
     }
     Ok(())

@@ -40,8 +40,14 @@ fn unknown_values_read_as_zero_and_are_counted() {
 fn what_is_dumped_as_standing_is_no_edge() {
     let one = [(false, false, 1)];
     // The clock stands high; then one edge.
-    assert_eq!(after_head("#0 $dumpvars 1! b1 $ $end #1 0! #2 1! #3").unwrap(), one);
-    assert_eq!(after_head("$dumpvars 1! b1 $ $end #0 #1 0! #2 1! #3").unwrap(), one);
+    assert_eq!(after_head("#0 $dumpvars 1! b0 $ $end #1 0! b1 $ #2 1! #3").unwrap(), one);
+    assert_eq!(after_head("$dumpvars 1! b0 $ $end #0 #1 b1 $ #2 0! #3 1! #4").unwrap(), one);
+    assert_eq!(after_head("#0 $dumpvars 1! bx $ $end #1 0! #2 1! b1 $ #3").unwrap(), one);
+    // Held until the clock falls, that was the first sample.
+    assert_eq!(
+        after_head("#0 $dumpvars 1! b1 $ $end #1 0! #2 b10 $ #3 1!").unwrap(),
+        [one[0], (false, false, 2)]
+    );
     // A pause of the dump is no edge either.
     assert_eq!(
         after_head("#0 0! b1 $ #1 1! #2 0! #3 $dumpoff x! $end #4 $dumpon 1! $end #5 0!").unwrap(),

@@ -165,3 +165,27 @@ fn another_tool_reads_what_is_written() {
         assert!(seen == sent);
     }
 }
+
+/// What the dumps in `data/` were made from: three lines of eight clocks and an idle clock, marker timing.
+fn recorded() -> Vec<Clock> {
+    let value = |clock: u16| if clock < 24 { (37 * clock + 11) & 0xFF } else { 0 };
+    (0..25).map(|clock| (clock > 0 && clock % 8 == 0, clock == 24, value(clock))).collect()
+}
+
+#[test]
+fn a_dump_of_pyvcd_keeps_its_first_sample() {
+    // It puts what changes at time 0 into $dumpvars, and that is the first pixel.
+    let (clocks, _) = read(include_bytes!("data/pyvcd.vcd"), &CaptureOptions::default()).unwrap();
+    assert_eq!(clocks, recorded());
+}
+
+#[test]
+fn a_dump_of_sigrok_is_read_by_a_map() {
+    let lines: String = (0..8).map(|line| format!(",D{line}={}", line + 3)).collect();
+    let map = SignalMap::parse(&format!("PIXCLK=0,HREF=1,VSYNC=2{lines}")).unwrap();
+    let options = CaptureOptions { wanted: Wanted { map, ..Wanted::default() }, ..CaptureOptions::default() };
+    let (clocks, _) = read(include_bytes!("data/sigrok.vcd"), &options).unwrap();
+    assert_eq!(clocks, recorded());
+    let unnamed = read(include_bytes!("data/sigrok.vcd"), &CaptureOptions::default()).unwrap_err();
+    assert!(unnamed.to_string().contains("--map PCLK="), "{unnamed}");
+}

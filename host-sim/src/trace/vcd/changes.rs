@@ -12,8 +12,10 @@
 //! together with the active edge ("set the pins, raise the clock"). A simulation in which registers launch new data *by*
 //! the active edge itself means the state before it: that is [`SamplePoint::BeforeEdge`].
 //!
-//! Values of `$dumpvars` (and of `$dumpon`, `$dumpoff`) are where the wires stand, not edges. Any other first value of the
-//! clock that is active does count as an edge. Unknown values (x, z) read as 0 and are counted; an unknown clock is
+//! Values of `$dumpvars` (and of `$dumpon`, `$dumpoff`) are where the wires stand, not edges. Two exceptions serve generators
+//! that begin with a sample. Some tools (pyvcd) put all changes of the first time stamp into `$dumpvars`: if the clock is active
+//! there, every wire is known, and then nothing but the clock changes up to and with its next inactive edge, that was the first
+//! sample. And where there is no `$dumpvars`, a first level of the clock that is active is an edge. Unknown values (x, z) read as 0 and are counted; an unknown clock is
 //! inactive.
 //!
 //! Cost: one load of eight bytes a change, one table entry, one update of a register; no branch depends on a value.
@@ -67,6 +69,8 @@ pub(super) struct Machine {
     /// PCLK if it idles high, as with a falling active edge; else 0.
     pub(super) idle: u32,
     point: SamplePoint,
+    /// State and time of a `$dumpvars` that may turn out to be the first sample.
+    pub(super) first: Option<(u32, u64)>,
 }
 
 /// Why the parser stopped.
@@ -86,7 +90,16 @@ const POWERS: [u64; 8] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_
 impl Machine {
     pub(super) fn new(falling: bool, point: SamplePoint) -> Self {
         let idle = if falling { PCLK } else { 0 };
-        Self { state: idle, settled: idle, time: 0, unknown: 0, section: Section::default(), idle, point }
+        Self {
+            state: idle,
+            settled: idle,
+            time: 0,
+            unknown: 0,
+            section: Section::default(),
+            idle,
+            point,
+            first: None,
+        }
     }
 
     /// Parses from `at`, up to the end of the block if it is the `last`, else to where the next token may not be whole.
@@ -186,11 +199,28 @@ impl Machine {
     /// The time stamp ends: takes a sample if it had an active edge.
     #[inline(always)]
     pub(super) fn close<S: EdgeSink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+        if self.first.is_some() {
+            self.look_at_first(sink)?;
+        }
         let (state, settled) = (self.state, self.settled);
         self.settled = state;
         if (state ^ self.idle) & !(settled ^ self.idle) & PCLK != 0 {
             let sampled = if self.point == SamplePoint::AtEdge { state } else { settled };
             sink.edge(sampled, self.time)?;
+        }
+        Ok(())
+    }
+
+    /// Decides about the `$dumpvars` that stood with an active clock, as soon as something else happens.
+    #[cold]
+    fn look_at_first<S: EdgeSink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+        let Some((state, time)) = self.first else { return Ok(()) };
+        let changed = self.state ^ state;
+        if changed != 0 {
+            self.first = None;
+        }
+        if changed == PCLK && self.point == SamplePoint::AtEdge {
+            sink.edge(state, time)?;
         }
         Ok(())
     }

@@ -44,12 +44,18 @@ pub(super) struct Declarations {
 pub(super) fn read<R: Read>(blocks: &mut Blocks<R>) -> io::Result<Result<Declarations, (usize, Problem)>> {
     let mut found = Declarations::default();
     let mut words: Vec<String> = Vec::new();
+    // sigrok-cli puts a line such as `META samplerate: 96000000` before the dump of a raw capture.
+    let mut preamble = None;
     loop {
         let (at, keyword) = match next(blocks)? {
             Ok(Some(word)) => word,
             Ok(None) => return Ok(Err((blocks.at, Problem::NoDefinitions))),
             Err(problem) => return Ok(Err(problem)),
         };
+        if *preamble.get_or_insert(keyword == "META") && !keyword.starts_with('$') {
+            continue;
+        }
+        preamble = Some(false);
         if !keyword.starts_with('$') || keyword == "$end" {
             return Ok(Err((at, Problem::NotAKeyword(shortened(&keyword)))));
         }

@@ -85,7 +85,10 @@ fn keyword(mut now: Machine, token: &Token<'_>) -> Outcome {
     let (text, to) = token.text()?;
     let standing = |name| Section::Standing(name);
     now.section = match (text, now.section) {
-        (b"$end", Section::Standing(_)) => {
+        (b"$end", Section::Standing(name)) => {
+            let active = (now.state ^ now.idle) & PCLK != 0;
+            let known = now.unknown == 0;
+            now.first = (name == "$dumpvars" && active && known).then_some((now.state, now.time));
             // Where the wires stand is no edge.
             now.settled = now.state;
             Section::Changes
