@@ -63,7 +63,7 @@ impl Demo {
             println!("verified       every frame received is, byte by byte, the frame that was sent");
             println!("pictures       {} (and the trace, demo.camt)", first.display());
             for shown in &shown {
-                println!("               {}: {}", shown.png.display(), shown.op);
+                println!("               {}: {}", shown.png.display(), shown.about);
             }
         }
         Ok(if report.is_good() { Outcome::Fine } else { Outcome::Fault })

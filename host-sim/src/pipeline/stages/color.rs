@@ -164,12 +164,20 @@ pub(super) static STAGES: &[Stage] = &[
         about: "takes off what a sensor reads in the dark, at each of the mosaic's four places",
         input: Input::Gray,
         output: Output::Gray,
-        parameters: &[parameter(
-            "levels",
-            Kind::Numbers(&[4], 0, 127_000),
-            "16;16;16;16",
-            "black at the top left, top right, bottom left, bottom right",
-        )],
+        parameters: &[
+            parameter(
+                "levels",
+                Kind::Numbers(&[4], 0, 16_382_000),
+                "16;16;16;16",
+                "black at the top left, top right, bottom left, bottom right",
+            ),
+            parameter(
+                "bits",
+                Kind::OneOf(&[8, 10, 12, 14]),
+                "8",
+                "depth in which it is done, and that `levels` are in",
+            ),
+        ],
         least_width: 1,
         example: "gray|black-level:levels=40;40;40;40",
         apply: black_level,
@@ -332,12 +340,13 @@ fn mosaic(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Result
 }
 
 fn black_level(arguments: &Arguments<'_>, picture: Picture, _: &mut Memory) -> Result<Picture, Error> {
-    let black = BlackLevel::new(arguments.whole::<u16, 4>("levels"), BitDepth::Bits8)?;
+    let depth = BitDepth::new(arguments.integer("bits"))?;
+    let black = BlackLevel::new(arguments.whole::<u16, 4>("levels"), depth)?;
     let mut frame = picture.into_gray();
     for (y, row) in frame.rows_mut().enumerate() {
-        let mut samples: Vec<u16> = row.iter().map(|&sample| sample.into()).collect();
+        let mut samples: Vec<u16> = row.iter().map(|&sample| depth.expand(sample)).collect();
         black.apply_line(&mut samples, y);
-        raw::reduce_line(&samples, row, BitDepth::Bits8)?;
+        raw::reduce_line(&samples, row, depth)?;
     }
     Ok(frame.into())
 }
