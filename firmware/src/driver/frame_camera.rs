@@ -19,7 +19,8 @@ use crate::port::{Port, SLOTS};
 /// Share it between tasks and the interrupt handler, for instance in a `static`. Both interrupts, the block's and the
 /// DMA's, call [`FrameCamera::on_interrupt`]; a blocking wait works without any interrupt at all.
 ///
-/// Capture goes on without a gap as long as two buffers are free or ready: three make sure of that while one is leased.
+/// Capture goes on without a gap as long as two buffers are free or ready: three make sure of that while one is leased. With
+/// two and [`Policy::NewestWins`] a ready frame is given up when the last transfer of the next one begins.
 /// While the DMA writes, it must be served within the time of one transfer, at least half a frame for frames up to the
 /// DMA's limit; a later service is noticed and costs frames, but never tears one.
 pub struct FrameCamera<'m, P, const N: usize> {

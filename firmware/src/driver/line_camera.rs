@@ -229,7 +229,7 @@ impl<'m, P: Port<'m>, const N: usize> Line<'_, 'm, P, N> {
     }
 
     /// Its bytes as the DMA wrote them. If it is shorter than configured, its length is known to the byte with
-    /// [`Config::line_interrupts`] only, and else up to the end of the word.
+    /// [`Config::line_interrupts`] only, and if it left the FIFO before the next line ended; else to the end of the word.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         let memory: &[u8] = bytemuck::cast_slice(self.memory.as_deref().unwrap_or(&[]));

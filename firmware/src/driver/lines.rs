@@ -11,6 +11,7 @@
 //!
 //! A frame of which no line was kept has no end either: the next verdict's `dropped_before` counts it.
 
+use super::chunks::IN_FLIGHT;
 use super::config::Config;
 use super::engine::{Engine, POLLS, Progress, even_burst};
 use super::frames::Phase;
@@ -194,10 +195,13 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
             return Err(Outcome::LateInterrupt);
         }
         let verdict = self.judge().inspect_err(|&outcome| self.tally.lose(outcome))?;
-        if verdict.lines > self.complete
-            && verdict.lines - self.complete <= 2
-            && self.starts_lines_anew(&verdict)
-        {
+        let missing = verdict.lines.saturating_sub(self.complete);
+        if missing > 0 && self.starts_lines_anew(&verdict) {
+            // A line is a word at least, so no more of them can be on their way.
+            if missing > IN_FLIGHT {
+                self.tally.lose(Outcome::LateInterrupt);
+                return Err(Outcome::LateInterrupt);
+            }
             self.ended = Some(verdict);
             return Ok(());
         }
