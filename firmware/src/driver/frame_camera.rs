@@ -8,8 +8,9 @@ use super::config::{Config, Policy};
 use super::deadline::Timeout;
 use super::error::StartError;
 use super::frame::Frame;
-use super::frames::{Frames, Phase};
+use super::frames::Frames;
 use super::lint::{self, Layout};
+use super::machine::Machine;
 use super::shared::{Shared, State};
 use super::verdict::{Statistics, Verdict};
 use crate::port::{Port, SLOTS};
@@ -207,17 +208,5 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             if self.expected.jpeg { verdict.bytes } else { verdict.bytes.min(self.expected.bytes) & !3 };
         let length = (bytes as usize).min(memory.len().saturating_mul(4));
         Some((memory, lease.slot, length, verdict))
-    }
-
-    fn diagnose(&mut self) -> Timeout {
-        let status = self.engine.status();
-        let words = if self.phase == Phase::Running { self.position() } else { 0 };
-        let evidence = &mut self.tally.evidence;
-        evidence.look(status);
-        evidence.words = words;
-        evidence.words_moved |= words > 0;
-        evidence.no_buffer = self.phase == Phase::Paused;
-        evidence.stopped = matches!(self.phase, Phase::Stopped | Phase::Idle);
-        Timeout::new(*evidence)
     }
 }

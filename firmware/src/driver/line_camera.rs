@@ -8,9 +8,9 @@ use core::task::Poll;
 use super::config::Config;
 use super::deadline::Timeout;
 use super::error::StartError;
-use super::frames::Phase;
 use super::lines::Lines;
 use super::lint::{self, Layout};
+use super::machine::Machine;
 use super::shared::{Shared, State};
 use super::verdict::{Statistics, Verdict};
 use crate::buffers::ring::{LineInfo, Next};
@@ -192,18 +192,6 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
             }
         };
         Some((next, memory))
-    }
-
-    fn diagnose(&mut self) -> Timeout {
-        let status = self.engine.status();
-        let words = self.position();
-        let evidence = &mut self.tally.evidence;
-        evidence.look(status);
-        evidence.words = words;
-        evidence.words_moved |= words > 0;
-        evidence.no_buffer = self.phase == Phase::Paused;
-        evidence.stopped = matches!(self.phase, Phase::Stopped | Phase::Idle);
-        Timeout::new(*evidence)
     }
 }
 
