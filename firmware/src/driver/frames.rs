@@ -113,10 +113,10 @@ impl<'m, P: Port<'m>, const N: usize> Machine<'m> for Frames<'m, P, N> {
 }
 
 impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
-    pub(super) fn new(port: P) -> Self {
+    pub(super) fn new(engine: Engine<'m, P>) -> Self {
         let burst = crate::camif::registers::Burst::One;
         Self {
-            engine: Engine::new(port),
+            engine,
             pool: FramePool::new(),
             phase: Phase::Stopped,
             plan: Plan::default(),

@@ -92,9 +92,9 @@ impl<'m, P: Port<'m>, const N: usize> Machine<'m> for Lines<'m, P, N> {
 }
 
 impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
-    pub(super) fn new(port: P) -> Self {
+    pub(super) fn new(engine: Engine<'m, P>) -> Self {
         Self {
-            engine: Engine::new(port),
+            engine,
             ring: LineRing::new(),
             phase: Phase::Stopped,
             burst: Burst::One,
