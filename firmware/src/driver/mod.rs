@@ -13,6 +13,7 @@
 //! | [`deadline`] | why a wait ended without a frame |
 //! | [`chunks`] | how a frame is cut into transfers |
 //! | `frames`, `judge`, `lines` | the state machines behind the cameras, and how a frame's end is judged |
+//! | `machine` | what both do alike |
 //! | `meter`, `tally` | lines measured, frames counted |
 //! | `engine` | every access to the block and its DMA |
 //! | `shared` | what the interrupt handler and the tasks share |
@@ -80,6 +81,7 @@ pub mod chunks;
 mod frames;
 mod judge;
 mod lines;
+mod machine;
 mod meter;
 mod tally;
 mod engine;
