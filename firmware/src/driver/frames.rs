@@ -310,7 +310,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         match self.phase {
             Phase::Paused => self.restart(),
             Phase::Running => {
-                self.service();
+                self.fresh = self.service();
                 // Capture was told to stop behind the frame in progress, for want of this buffer.
                 let last = self.filling.is_some_and(|filling| filling.window + 1 == self.plan.count);
                 if self.plan.seamless && last && self.next.is_none() && self.phase == Phase::Running {

@@ -12,6 +12,7 @@ use super::super::verdict::Outcome;
 use super::super::{LineCamera, LineEvent};
 use super::*;
 use crate::camif::Hold;
+use crate::camif::pins::{Pins, Sync};
 use crate::camif::registers::Burst;
 
 const LINE: usize = 16;
@@ -307,6 +308,38 @@ fn a_task_is_woken_by_a_frame_and_by_its_deadline() {
         assert_eq!((woken.get(), other.get()), (3, 0));
         sender.frame(&picture(1, LINE, LINES));
         assert_eq!((woken.get(), other.get()), (3, 1));
+    });
+}
+
+#[test]
+fn a_task_is_woken_when_the_drop_of_a_lease_finds_a_frame() {
+    with_camera::<3>(Part::CAMIF, Bus::IDEAL, 16, |model, camera| {
+        camera.start(&config(Wires::Gated)).unwrap();
+        let handler = || camera.on_interrupt();
+        Sender::new(model, &handler, Wires::Gated).frame(&picture(0, LINE, LINES));
+        let lease = camera.try_frame().unwrap();
+        let (woken, waker) = Count::new();
+        let mut next = pin!(camera.next_frame(u64::MAX));
+        assert!(next.as_mut().poll(&mut Context::from_waker(&waker)).is_pending());
+        // The next frame; its end is not served.
+        let blank = |hsync, vsync| {
+            for _ in 0..8 {
+                model.borrow_mut().step(Pins { sync: Sync { hsync, vsync }, data: 0 });
+            }
+        };
+        for line in picture(1, LINE, LINES) {
+            for byte in line {
+                model.borrow_mut().step(Pins { sync: Sync::default(), data: u16::from(byte) });
+                camera.on_interrupt();
+            }
+            blank(true, false);
+            camera.on_interrupt();
+        }
+        blank(true, true);
+        assert_eq!(woken.get(), 0, "the frame is not known to have ended");
+        drop(lease);
+        assert_eq!(woken.get(), 1);
+        assert!(camera.try_frame().is_some());
     });
 }
 
