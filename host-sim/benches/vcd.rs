@@ -1,4 +1,5 @@
-//! VCD text to pin samples, beside the `vcd` crate's reader and a loop that only looks at every byte.
+//! VCD text to pin samples, and on through block and driver to frames. Beside them the `vcd` crate's reader, and a loop
+//! that only looks at every byte.
 //!
 //! `cargo bench -p host-sim --bench vcd` prints the throughput of file text.
 
@@ -8,20 +9,27 @@ use std::hint::black_box;
 use criterion::{
     BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main, measurement::WallTime,
 };
+use firmware::camif::Bus;
 use firmware::camif::pins::{Samples, Sync};
+use firmware::driver::Config;
+use firmware::driver::verdict::Outcome;
 use firmware::trace::{ChunkBuffer, Header, Item, Reader, StretchSink, Writer};
+use host_sim::picture::crc32;
+use host_sim::profile::Profile;
+use host_sim::receiver::{Received, Receiver, capture_config, receive};
 use host_sim::trace::CaptureOptions;
 use host_sim::trace::camt::{StdIo, fast_crc32};
 use host_sim::trace::vcd::{Layout, Style, VcdReader, VcdWriter, VcdWriterOptions};
 
-/// Lines of a VGA frame in RGB888, marker timing: 1,920 clocks each.
-const LINES: u32 = 120;
+/// Clocks of a line of a VGA frame in RGB888.
 const LINE: usize = 1920;
+/// Samples of a quarter of a frame.
+const QUARTER: usize = 120 * LINE;
 
-/// Random pixels: half of the wires change at every clock, which is the worst that a picture can do.
-fn picture() -> Vec<u8> {
+/// Random samples: half of the wires change at every clock, and nobody can tell how many.
+fn picture(samples: usize) -> Vec<u8> {
     let mut seed = 0x2545_F491_4F6C_DD1D_u64;
-    (0..LINES as usize * LINE)
+    (0..samples)
         .map(|_| {
             seed ^= seed << 13;
             seed ^= seed >> 7;
@@ -31,11 +39,14 @@ fn picture() -> Vec<u8> {
         .collect()
 }
 
+/// Marker timing: the first sample of a line carries HSYNC, that of a frame VSYNC too; an idle clock ends the last frame.
 fn send<S: StretchSink>(sink: &mut S, pixels: &[u8]) -> Result<(), S::Error> {
     for (line, bytes) in pixels.chunks(LINE).enumerate() {
-        sink.stretch(Sync { hsync: line % 2 == 0, vsync: line == 0 }, Samples::Bytes(bytes))?;
+        let (marked, rest) = bytes.split_at(1);
+        sink.stretch(Sync { hsync: line > 0, vsync: line > 0 && line % 480 == 0 }, Samples::Bytes(marked))?;
+        sink.stretch(Sync::default(), Samples::Bytes(rest))?;
     }
-    Ok(())
+    sink.stretch(Sync { hsync: true, vsync: true }, Samples::Bytes(&[0]))
 }
 
 fn text(layout: Layout, style: Style, pixels: &[u8]) -> Vec<u8> {
@@ -112,7 +123,7 @@ fn byte_loop(text: &[u8]) -> u64 {
 }
 
 fn read_vcd(criterion: &mut Criterion) {
-    let pixels = picture();
+    let pixels = picture(QUARTER);
     let mut group = criterion.benchmark_group("vcd to pin samples");
     let wires = text(Layout::Wires, Style::OppositeEdge, &pixels);
     let texts = [
@@ -122,11 +133,55 @@ fn read_vcd(criterion: &mut Criterion) {
         ("bus", text(Layout::Bus, Style::OppositeEdge, &pixels)),
     ];
     for (name, text) in &texts {
-        assert_eq!(ours(text), pixels.len() as u64);
+        assert_eq!(ours(text), pixels.len() as u64 + 1);
         bench(&mut group, name, text, ours);
     }
     bench(&mut group, "wires, by the vcd crate (parsing only)", &wires, vcd_crate);
     bench(&mut group, "wires, looking at every byte", &wires, byte_loop);
+    group.finish();
+}
+
+/// Frames in the text that goes all the way, and the samples of each.
+const FRAMES: usize = 2;
+const FRAME: usize = 480 * LINE;
+
+/// Plays a trace through block and driver: how many good frames it holds. `check` sees the bytes of each.
+fn frames(text: &[u8], config: &Config, check: &mut dyn FnMut(&[u8])) -> usize {
+    let mut good = 0;
+    let mut take = |frame: Received<'_>| {
+        if let (Outcome::Good, Some(bytes)) = (frame.verdict.outcome, frame.bytes) {
+            good += 1;
+            check(bytes);
+        }
+    };
+    let play = |receiver: &mut Receiver<'_, '_>| {
+        let reader = VcdReader::new(text, &CaptureOptions::default()).unwrap();
+        reader.play(receiver, &mut |_| ()).unwrap().clocks
+    };
+    let (clocks, _) = receive(config, Bus::IDEAL, &mut take, play).unwrap();
+    assert_eq!(clocks, (FRAMES * FRAME) as u64 + 1);
+    good
+}
+
+/// All of a replay: text, samples, block, driver, frames.
+fn vcd_to_frames(criterion: &mut Criterion) {
+    let config = capture_config(&Profile::built_in("vga-rgb888").unwrap());
+    let pixels = picture(FRAMES * FRAME);
+    let sent: Vec<u32> = pixels.chunks(FRAME).map(crc32).collect();
+    let mut group = criterion.benchmark_group("vcd to frames");
+    let wires = text(Layout::Wires, Style::OppositeEdge, &pixels);
+    let texts = [
+        ("wires", wires.clone()),
+        ("wires, identifiers of 1 to 4 characters", with_long_ids(&wires)),
+        ("wires, data with the edge", text(Layout::Wires, Style::WithEdge, &pixels)),
+        ("bus", text(Layout::Bus, Style::OppositeEdge, &pixels)),
+    ];
+    for (name, text) in &texts {
+        let mut received = Vec::new();
+        assert_eq!(frames(text, &config, &mut |bytes| received.push(crc32(bytes))), FRAMES);
+        assert_eq!(received, sent);
+        bench(&mut group, name, text, |text| frames(text, &config, &mut |_| ()) as u64);
+    }
     group.finish();
 }
 
@@ -136,7 +191,7 @@ fn bench(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, text: &[u8], read
 }
 
 fn write_vcd(criterion: &mut Criterion) {
-    let pixels = picture();
+    let pixels = picture(QUARTER);
     let mut group = criterion.benchmark_group("pin samples to vcd");
     let bytes = text(Layout::Wires, Style::OppositeEdge, &pixels).len();
     group.throughput(Throughput::Bytes(bytes as u64)).sample_size(20);
@@ -147,7 +202,7 @@ fn write_vcd(criterion: &mut Criterion) {
 }
 
 fn camt(criterion: &mut Criterion) {
-    let pixels = picture().repeat(32);
+    let pixels = picture(QUARTER).repeat(32);
     let header = Header { bus_bits: 8, vsync_active: true, pclk_hz: 27_648_000 };
     let write = || {
         let out = StdIo(Vec::with_capacity(pixels.len() + pixels.len() / 64));
@@ -167,12 +222,12 @@ fn camt(criterion: &mut Criterion) {
                     count.stretch(sync, samples).unwrap();
                 }
             }
-            assert_eq!(count.0, pixels.len() as u64);
+            assert_eq!(count.0, pixels.len() as u64 + 1);
         });
     });
     group.bench_function("write", |bencher| bencher.iter(|| write().len()));
     group.finish();
 }
 
-criterion_group!(benches, read_vcd, write_vcd, camt);
+criterion_group!(benches, read_vcd, vcd_to_frames, write_vcd, camt);
 criterion_main!(benches);

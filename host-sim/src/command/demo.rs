@@ -8,10 +8,11 @@ use super::Outcome;
 use super::generate::generate;
 use super::replay::replay;
 use super::showcase::showcase;
-use super::source::Source;
 use crate::picture;
 use crate::profile::{DEFAULT, Profile};
+use crate::receiver::Source;
 use crate::scene::Scene;
+use crate::trace::SignalMap;
 
 /// Options of `demo`.
 #[derive(Debug, Args)]
@@ -40,7 +41,7 @@ impl Demo {
         let mut sent = Vec::new();
         let created =
             generate(&profile, &scene, self.frames, &path, &mut |_, bytes| sent.push(picture::crc32(bytes)))?;
-        let source = Source::open(&created.path, None, None)?;
+        let source = Source::open(&created.path, None, SignalMap::default())?;
         let report = replay(&source, Bus::IDEAL, Some(&self.out), None)?;
         let first = self.out.join("frame-0000.png");
         let shown = if report.is_good() { showcase(&picture::read(&first)?, &self.out)? } else { Vec::new() };

@@ -7,7 +7,6 @@
 //! | `replay` | a trace becomes frames |
 //! | `process` | a picture file goes through a pipeline |
 //! | `showcase` | what the demo makes of its first frame |
-//! | `source` | opening a trace by a profile |
 //! | `report` | what came of a replay, for people and as JSON |
 //! | `progress` | bars on stderr |
 
@@ -18,7 +17,6 @@ mod progress;
 mod replay;
 mod report;
 mod showcase;
-mod source;
 
 pub use demo::Demo;
 pub use generate::Generate;

@@ -6,10 +6,11 @@ use clap::Args;
 
 use super::process::{print_help, print_timing};
 use super::report::{Collector, Report};
-use super::source::Source;
 use super::{Outcome, progress};
 use crate::pipeline::{Pipeline, Runner};
-use crate::receiver::{capture_config, parse_bus, receive};
+use crate::profile::Profile;
+use crate::receiver::{Source, capture_config, parse_bus, receive};
+use crate::trace::SignalMap;
 
 /// Options of `replay`.
 #[derive(Debug, Args)]
@@ -52,7 +53,12 @@ impl Replay {
         }
         let mut runner = pipeline.as_ref().map(Runner::new);
         let bus = parse_bus(&self.bus_latency)?;
-        let source = Source::open(&self.trace, self.profile.as_deref(), self.map.as_deref())?;
+        let profile = self.profile.as_deref().map(Profile::find).transpose()?;
+        let map = self.map.as_deref().map(SignalMap::parse).transpose()?.unwrap_or_default();
+        let source = Source::open(&self.trace, profile.as_ref(), map)?;
+        for note in source.notes() {
+            eprintln!("note: {note}");
+        }
         if let Some(out) = &self.out {
             std::fs::create_dir_all(out)
                 .with_context(|| format!("{}: the folder cannot be made", out.display()))?;
@@ -80,8 +86,8 @@ pub(super) fn replay(
     out: Option<&std::path::Path>,
     runner: Option<&mut Runner<'_>>,
 ) -> anyhow::Result<Report> {
-    let profile = &source.profile;
-    let bar = progress::bytes("replay", source.trace.info().file_bytes);
+    let profile = source.profile();
+    let bar = progress::bytes("replay", source.trace().info().file_bytes);
     let mut collector = Collector::new(profile, out, runner);
     let started = Instant::now();
     let (played, summary) =
@@ -95,7 +101,7 @@ pub(super) fn replay(
     if let Some(error) = collector.error {
         return Err(error);
     }
-    let mut report = Report::new(source.trace.path(), profile, collector.frames, &summary, seconds);
+    let mut report = Report::new(source.trace().path(), profile, collector.frames, &summary, seconds);
     report.unknown_levels = played.unknown;
     Ok(report)
 }

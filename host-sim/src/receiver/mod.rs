@@ -8,10 +8,12 @@
 //!
 //! | file | what lives there |
 //! |---|---|
+//! | `source` | [`Source`]: a trace and the profile by which it is read |
 //! | `config` | what the driver must know, out of a profile |
 //! | `bus` | the memory bus, out of `--bus-latency` |
 //! | `receive` | [`receive`]: plays a source into block and driver, and hands out frames |
 
+mod source;
 mod config;
 mod bus;
 mod receive;
@@ -19,3 +21,4 @@ mod receive;
 pub use bus::{BusSyntaxError, parse_bus};
 pub use config::capture_config;
 pub use receive::{Received, Receiver, Summary, receive};
+pub use source::{Source, SourceError};
