@@ -79,10 +79,13 @@ fn bench(criterion: &mut Criterion) {
         let (mut first, mut second) = (vec![0; WORDS as usize], vec![0; WORDS as usize]);
         let mut camif = block(Bus::IDEAL, &mut first, &mut second);
         bencher.iter(|| {
-            for (clock, &byte) in black_box(&picture).iter().enumerate() {
-                let sync = Sync { hsync: clock % LINE == 0, vsync: clock == 0 };
-                camif.step(Pins { sync, data: u16::from(byte) });
-                acknowledge(&mut camif);
+            for (number, line) in black_box(&picture).chunks_exact(LINE).enumerate() {
+                let mut sync = Sync { hsync: true, vsync: number == 0 };
+                for &byte in line {
+                    camif.step(Pins { sync, data: u16::from(byte) });
+                    acknowledge(&mut camif);
+                    sync = Sync::default();
+                }
             }
         });
     });

@@ -10,6 +10,7 @@
 //! | [`trace`] | pixel clocks in files: `.camt` and VCD, read and written |
 //! | [`receiver`] | pixel clocks go through block and driver, and frames come out |
 //! | [`picture`] | the bytes of a frame become a picture; files in and out |
+//! | [`pipeline`] | the algorithms by name, on a picture |
 //! | [`command`] | the command line |
 #![forbid(unsafe_code)]
 
@@ -19,4 +20,5 @@ pub mod sensor;
 pub mod trace;
 pub mod receiver;
 pub mod picture;
+pub mod pipeline;
 pub mod command;

@@ -34,12 +34,81 @@ fn demo_takes_a_scene_to_verified_pictures() {
     let output = host_sim(folder.path(), &["demo", "--frames", "2"]);
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     let text = String::from_utf8(output.stdout).unwrap();
-    for expected in ["frames         2 (2 good)", "overruns       0", "byte by byte", "out/frame-0000.png"] {
+    for expected in [
+        "frames         2 (2 good)",
+        "overruns       0",
+        "byte by byte",
+        "out/frame-0000.png",
+        "out/annotated.png",
+    ] {
         assert!(text.contains(expected), "{expected:?} is not in:\n{text}");
     }
     for frame in ["frame-0000", "frame-0001"] {
         let raw = folder.path().join("out").join(frame).with_extension("raw");
         assert_eq!(std::fs::metadata(raw).unwrap().len(), 640 * 480 * 3);
+    }
+    let frame = image::open(folder.path().join("out/frame-0000.png")).unwrap().into_rgb8();
+    for picture in ["balanced", "edges", "quantized", "annotated"] {
+        let path = folder.path().join("out").join(picture).with_extension("png");
+        let made = image::open(path).unwrap().into_rgb8();
+        assert_eq!(made.dimensions(), (640, 480));
+        assert_ne!(made, frame, "{picture}");
+    }
+}
+
+#[test]
+fn process_sends_a_picture_through_a_pipeline() {
+    let folder = tempfile::tempdir().unwrap();
+    let square = |x: u32, y: u32| (10..30).contains(&x) && (8..20).contains(&y);
+    let picture =
+        image::RgbImage::from_fn(40, 28, |x, y| image::Rgb([if square(x, y) { 250 } else { 5 }; 3]));
+    picture.save(folder.path().join("in.png")).unwrap();
+    let op = "gray|gaussian:size=5,sigma=1.4|canny:low=50,high=150,norm=l2|flip";
+    let output = host_sim(folder.path(), &["process", "in.png", "--op", op, "-o", "out.png", "--timing"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    assert_eq!(stderr(&output).lines().count(), 5, "a line for each stage, and the sum");
+    let edges = image::open(folder.path().join("out.png")).unwrap().into_luma8();
+    assert_eq!(edges.dimensions(), (40, 28));
+    let lit: Vec<_> = edges.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[0] == 255).collect();
+    assert!((40..90).contains(&lit.len()), "the outline of the square: {}", lit.len());
+    let near = |at: u32, sides: [u32; 2]| sides.iter().any(|side| at.abs_diff(*side) <= 2);
+    assert!(lit.iter().all(|(x, y, _)| near(*x, [10, 29]) || near(*y, [8, 19])), "and nothing else");
+    let again = host_sim(folder.path(), &["process", "in.png", "--op", "rgb", "-o", "in.png"]);
+    assert_eq!(status(&again), 0);
+    assert_eq!(image::open(folder.path().join("in.png")).unwrap().into_rgb8(), picture, "a file onto itself");
+}
+
+#[test]
+fn replay_sends_frames_through_a_pipeline_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let generate =
+        ["generate", "--scene", "moving", "--profile", "ov7670-qvga-yuv422", "--frames", "2", "-o", "t.camt"];
+    assert_eq!(status(&host_sim(folder.path(), &generate)), 0);
+    let replay = ["replay", "t.camt", "--op", "scale:50%x50%|sobel", "--out", "out", "--json"];
+    let output = host_sim(folder.path(), &replay);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let report = json(&output);
+    for frame in report["frames"].as_array().unwrap() {
+        for (key, width) in [("png", 320), ("op_png", 160)] {
+            let picture = image::open(folder.path().join(frame[key].as_str().unwrap())).unwrap();
+            assert_eq!(picture.width(), width);
+        }
+    }
+    assert!(folder.path().join("out/frame-0001-op.png").exists());
+}
+
+#[test]
+fn help_on_stages_needs_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, expected) in [
+        (&["process", "--op", "help"][..], "floyd-steinberg"),
+        (&["process", "--op", "help:canny"], "--op 'gray|canny"),
+        (&["replay", "nothing.camt", "--op", "help:gaussian"], "standard deviation"),
+    ] {
+        let output = host_sim(folder.path(), arguments);
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains(expected), "{arguments:?}: {text}");
     }
 }
 
@@ -156,6 +225,16 @@ fn bad_usage_and_input_exit_with_2_and_one_line_that_says_what_to_do() {
         (&["generate", "--scene", "bars", "--profile", "bad.toml", "-o", "t.camt"], "bits"),
         (&["replay", "cut.camt", "--bus-latency", "soon"], "soon"),
         (&["replay", "cut.camt", "--map", "PCKL=CH0"], "PCLK"),
+        (&["replay", "cut.camt", "--op", "gray"], "--out DIR"),
+        (&["replay", "cut.camt", "--out", "o", "--op", "gray|cany"], "did you mean `canny`"),
+        (&["process", "in.png", "--op", "canny:lwo=3", "-o", "o.png"], "did you mean `low`"),
+        (&["process", "in.png", "--op", "canny:norm=l3", "-o", "o.png"], "did you mean `l1`"),
+        (&["process", "in.png", "--op", "gray", "-o", "o.png"], "in.png"),
+        (&["process", "in.png", "--op", "gray", "-o", "o.jpg"], ".png"),
+        (&["process", "in.png", "--op", "gray"], "-o IMAGE"),
+        (&["process", "--op", "gray", "-o", "o.png"], "no picture"),
+        (&["process", "text.txt", "--op", "gray", "-o", "o.png"], "text.txt"),
+        (&["process", "--op", "help:cany"], "did you mean `canny`"),
     ] {
         let output = host_sim(folder.path(), arguments);
         assert_eq!(status(&output), 2, "{arguments:?}");

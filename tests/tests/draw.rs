@@ -251,7 +251,7 @@ fn walking_through_mazes() {
         for y in 0..41 {
             for x in 0..41 {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                let gap = (state >> 33) % openness == 0;
+                let gap = (state >> 33).is_multiple_of(openness);
                 if (x % 2 == 0 && y % 2 == 0) || ((x + y) % 2 == 1 && !gap) {
                     pixels[y * 41 + x] = 0;
                 }

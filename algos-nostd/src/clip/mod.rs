@@ -7,7 +7,7 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `point` | [`Point`] and [`Window`]: pixels at `i16` coordinates, the rectangle of them |
+//! | `point` | [`Window`]: a rectangle of pixels at `i16` coordinates ([`Point`]) |
 //! | `staircase` | the line seen from its own octant: which step reaches which pixel, exactly |
 //! | `walk` | [`Walk`]: the state of Bresenham's algorithm at a pixel, and the pixels from there on |
 //! | `kuzmin` | [`clip_line`]: the fastest of them, which drawing uses; [`clip_lines`]: many at once |
@@ -37,7 +37,9 @@ pub use kuzmin::{clip_line, clip_lines};
 pub use liang_barsky::liang_barsky;
 pub use nicholl_lee_nicholl::nicholl_lee_nicholl;
 pub use nine_regions::nine_regions;
-pub use point::{Point, Window};
+pub use point::Window;
+
+pub use crate::image::Point;
 pub use sutherland_hodgman::{clipped_polygon_capacity, sutherland_hodgman};
 pub use walk::Walk;
 

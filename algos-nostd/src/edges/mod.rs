@@ -45,7 +45,9 @@ pub use canny_lines::{CannyLines, Norm, Thresholds};
 pub use gradient::{Gradient, GradientFilter, Operator};
 pub use hysteresis::grow;
 pub use measure::Measure;
-pub use simplify::{Point, simplify, simplify_memory};
+pub use simplify::{simplify, simplify_memory};
+
+pub use crate::image::Point;
 pub use suppress::Marks;
 pub use thin::{Thinning, thin, thin_memory};
 pub use trace::{Curve, trace};

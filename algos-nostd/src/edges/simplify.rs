@@ -18,16 +18,7 @@
 //!
 //! Cost: `n log n` cross products for usual curves, `n²` for the worst.
 
-use crate::image::Error;
-
-/// A pixel on a curve: column and line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Point {
-    /// Column.
-    pub x: i16,
-    /// Line.
-    pub y: i16,
-}
+use crate::image::{Error, Point};
 
 /// Halves that can wait: each is at least as long as all that is done before it.
 const STACK: usize = usize::BITS as usize;

@@ -18,8 +18,8 @@
 //! Cost: one scan of the words for ends, one for rings, and about nine looks at bits a pixel.
 
 use super::bits::{BitMap, BitMapMut, PIXELS_A_WORD, same_size, words_a_line};
-use super::simplify::Point;
 use crate::image::Error;
+use crate::image::Point;
 
 /// A curve, or a piece of one.
 #[derive(Debug)]

@@ -7,6 +7,7 @@
 use core::marker::PhantomData;
 
 use super::config::Config;
+use super::error::StartError;
 use super::verdict::Outcome;
 use crate::camif::FIFO_WORDS;
 use crate::camif::registers::{Burst, Control, DmaMode, Events, Register, Status};
@@ -26,6 +27,8 @@ pub(super) fn even_burst(most: Burst, words: u32) -> Burst {
 #[derive(Debug)]
 pub(super) struct Engine<'m, P> {
     port: P,
+    /// The shortest of the buffers and its words.
+    shortest: (u8, u32),
     /// CR as it is to be while capture is off.
     control: Control,
     /// Words a transfer.
@@ -51,23 +54,45 @@ pub(super) enum Progress {
 }
 
 impl<'m, P: Port<'m>> Engine<'m, P> {
-    pub(super) fn new(port: P) -> Self {
-        Self {
+    /// Lends all buffers to the port.
+    pub(super) fn new<const N: usize>(mut port: P, buffers: [&'m mut [u32]; N]) -> Result<Self, StartError> {
+        let mut shortest = (0, u32::MAX);
+        for (slot, buffer) in buffers.into_iter().enumerate() {
+            // A transfer reaches no further than 2²⁸ words, so a longer buffer counts as that.
+            let words = u32::try_from(buffer.len()).unwrap_or(u32::MAX);
+            if words < shortest.1 {
+                shortest = (slot as u8, words);
+            }
+            port.lend(slot, buffer).map_err(|_| StartError::SlotTaken { slot })?;
+        }
+        Ok(Self {
             port,
+            shortest,
             control: Control::default(),
             chunk: 0,
             double: false,
             current: Target::Zero,
             memory: PhantomData,
-        }
+        })
     }
 
     pub(super) fn port(&mut self) -> &mut P {
         &mut self.port
     }
 
-    pub(super) fn into_port(self) -> P {
-        self.port
+    /// The port, and what of the buffers is not leased.
+    pub(super) fn into_parts<const N: usize>(mut self) -> (P, [Option<&'m mut [u32]>; N]) {
+        let buffers = core::array::from_fn(|slot| self.port.take_back(slot));
+        (self.port, buffers)
+    }
+
+    /// Every buffer has the words that are needed.
+    pub(super) fn check_room(&self, needed: u64) -> Result<(), StartError> {
+        let (buffer, words) = self.shortest;
+        if needed > u64::from(words) {
+            return Err(StartError::BufferTooSmall { buffer: usize::from(buffer), needed, words });
+        }
+        Ok(())
     }
 
     pub(super) fn has_counters(&self) -> bool {

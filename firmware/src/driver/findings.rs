@@ -121,6 +121,11 @@ pub enum Code {
         /// Bytes a line.
         bytes: u32,
     },
+    /// The FIFO holds whole lines.
+    ShortLine {
+        /// Words a line.
+        words: u32,
+    },
     /// The last bytes of a frame don't fill a word and don't reach memory.
     FrameAlignment {
         /// Bytes a frame.
@@ -159,7 +164,8 @@ impl Finding {
             | Code::CropWords { .. }
             | Code::FrameAlignment { .. }
             | Code::RestartEachFrame { .. }
-            | Code::BurstShortened { .. } => Severity::Warning,
+            | Code::BurstShortened { .. }
+            | Code::ShortLine { .. } => Severity::Warning,
             _ => Severity::Error,
         };
         Self { severity, code }
@@ -241,6 +247,10 @@ impl fmt::Display for Code {
             Self::LineAlignment { bytes } => write!(
                 f,
                 "a line of {bytes} bytes does not fill words, and this part packs lines without a gap; crop to a multiple of 4 bytes"
+            ),
+            Self::ShortLine { words } => write!(
+                f,
+                "a line of {words} words fits the FIFO, so after a stall of the bus several end at once and may be numbered wrong; capture whole frames"
             ),
             Self::FrameAlignment { bytes } => write!(
                 f,

@@ -1,16 +1,15 @@
 //! A camera that captures whole frames.
 
-use core::future::poll_fn;
-use core::task::Poll;
-
 use super::chunks::Plan;
 use super::config::{Config, Policy};
 use super::deadline::Timeout;
+use super::engine::Engine;
 use super::error::StartError;
 use super::frame::Frame;
-use super::frames::{Frames, Phase};
+use super::frames::Frames;
 use super::lint::{self, Layout};
-use super::shared::{Shared, State};
+use super::machine::Machine;
+use super::shared::Shared;
 use super::verdict::{Statistics, Verdict};
 use crate::port::{Port, SLOTS};
 
@@ -19,13 +18,12 @@ use crate::port::{Port, SLOTS};
 /// Share it between tasks and the interrupt handler, for instance in a `static`. Both interrupts, the block's and the
 /// DMA's, call [`FrameCamera::on_interrupt`]; a blocking wait works without any interrupt at all.
 ///
-/// Capture goes on without a gap as long as two buffers are free or ready: three make sure of that while one is leased.
+/// Capture goes on without a gap as long as two buffers are free or ready: three make sure of that while one is leased. With
+/// two and [`Policy::NewestWins`] a ready frame is given up when the last transfer of the next one begins.
 /// While the DMA writes, it must be served within the time of one transfer, at least half a frame for frames up to the
 /// DMA's limit; a later service is noticed and costs frames, but never tears one.
 pub struct FrameCamera<'m, P, const N: usize> {
     pub(super) shared: Shared<Frames<'m, P, N>>,
-    /// The shortest buffer and its words.
-    shortest: (u8, u32),
 }
 
 impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
@@ -33,18 +31,9 @@ impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
     ///
     /// # Errors
     /// [`StartError::SlotTaken`] if the port already holds memory.
-    pub fn new(mut port: P, buffers: [&'m mut [u32]; N]) -> Result<Self, StartError> {
+    pub fn new(port: P, buffers: [&'m mut [u32]; N]) -> Result<Self, StartError> {
         const { assert!(N >= 1 && N <= SLOTS, "a camera takes 1 to 8 buffers") };
-        let mut shortest = (0, u32::MAX);
-        for (slot, buffer) in buffers.into_iter().enumerate() {
-            // A transfer reaches no further than 2²⁸ words, so a longer buffer counts as that.
-            let words = u32::try_from(buffer.len()).unwrap_or(u32::MAX);
-            if words < shortest.1 {
-                shortest = (slot as u8, words);
-            }
-            port.lend(slot, buffer).map_err(|_| StartError::SlotTaken { slot })?;
-        }
-        Ok(Self { shared: Shared::new(Frames::new(port)), shortest })
+        Ok(Self { shared: Shared::new(Frames::new(Engine::new(port, buffers)?)) })
     }
 
     /// Starts capture, afresh if it runs already. Leased frames keep their buffers until they are dropped.
@@ -61,14 +50,7 @@ impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
                 return Err(StartError::Refused(finding));
             }
             let plan = frame_plan(config, part.transfer_limit).unwrap_or_default();
-            let (buffer, words) = self.shortest;
-            if plan.room() > u64::from(words) {
-                return Err(StartError::BufferTooSmall {
-                    buffer: usize::from(buffer),
-                    needed: plan.room(),
-                    words,
-                });
-            }
+            frames.engine.check_room(plan.room())?;
             frames.start(config, plan).map_err(StartError::Dma)
         })
     }
@@ -90,7 +72,7 @@ impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
 
     /// A frame, if one is ready: the newest or the oldest one, by [`Policy`].
     pub fn try_frame(&self) -> Option<Frame<'_, 'm, P, N>> {
-        self.shared.with(|state| self.lease(state))
+        self.shared.with(|state| self.lease(&mut state.machine))
     }
 
     /// Waits for a frame until `deadline`. `idle` is called over and over; it may sleep until an interrupt, and returns
@@ -101,18 +83,9 @@ impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
     pub fn wait_frame(
         &self,
         deadline: u64,
-        mut idle: impl FnMut() -> u64,
+        idle: impl FnMut() -> u64,
     ) -> Result<Frame<'_, 'm, P, N>, Timeout> {
-        loop {
-            let now = idle();
-            self.on_interrupt();
-            if let Some(frame) = self.try_frame() {
-                return Ok(frame);
-            }
-            if now >= deadline {
-                return Err(self.diagnose());
-            }
-        }
+        self.shared.wait(deadline, idle, |frames| self.lease(frames))
     }
 
     /// Waits for a frame until `deadline`, in the ticks that [`FrameCamera::advance`] is told; `u64::MAX` is for ever.
@@ -121,22 +94,7 @@ impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
     /// # Errors
     /// [`Timeout`] with the cause.
     pub async fn next_frame(&self, deadline: u64) -> Result<Frame<'_, 'm, P, N>, Timeout> {
-        poll_fn(|context| {
-            let (poll, displaced) = self.shared.with(|state| {
-                if let Some(frame) = self.lease(state) {
-                    return (Poll::Ready(Ok(frame)), None);
-                }
-                match state.wait(context, deadline) {
-                    Ok(displaced) => (Poll::Pending, displaced),
-                    Err(()) => (Poll::Ready(Err(state.machine.diagnose())), None),
-                }
-            });
-            if let Some(waker) = displaced {
-                waker.wake();
-            }
-            poll
-        })
-        .await
+        self.shared.next(deadline, |frames| self.lease(frames)).await
     }
 
     /// Tells the time to tasks that wait with a deadline: call it from a timer's interrupt. Time does not go back.
@@ -158,12 +116,11 @@ impl<'m, P: Port<'m>, const N: usize> FrameCamera<'m, P, N> {
     pub fn into_parts(self) -> (P, [Option<&'m mut [u32]>; N]) {
         let mut frames = self.shared.into_machine();
         frames.stop();
-        let buffers = core::array::from_fn(|slot| frames.engine.port().take_back(slot));
-        (frames.engine.into_port(), buffers)
+        frames.engine.into_parts()
     }
 
-    fn lease(&self, state: &mut State<Frames<'m, P, N>>) -> Option<Frame<'_, 'm, P, N>> {
-        let (memory, slot, length, verdict) = state.machine.lease()?;
+    fn lease(&self, frames: &mut Frames<'m, P, N>) -> Option<Frame<'_, 'm, P, N>> {
+        let (memory, slot, length, verdict) = frames.lease()?;
         Some(Frame::new(self, memory, slot, length, verdict))
     }
 
@@ -206,17 +163,5 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             if self.expected.jpeg { verdict.bytes } else { verdict.bytes.min(self.expected.bytes) & !3 };
         let length = (bytes as usize).min(memory.len().saturating_mul(4));
         Some((memory, lease.slot, length, verdict))
-    }
-
-    fn diagnose(&mut self) -> Timeout {
-        let status = self.engine.status();
-        let words = if self.phase == Phase::Running { self.position() } else { 0 };
-        let evidence = &mut self.tally.evidence;
-        evidence.look(status);
-        evidence.words = words;
-        evidence.words_moved |= words > 0;
-        evidence.no_buffer = self.phase == Phase::Paused;
-        evidence.stopped = matches!(self.phase, Phase::Stopped | Phase::Idle);
-        Timeout::new(*evidence)
     }
 }

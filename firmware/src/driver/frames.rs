@@ -18,27 +18,13 @@
 use super::chunks::Plan;
 use super::config::{Config, Damaged, Policy};
 use super::engine::{Engine, Progress, even_burst};
+use super::machine::{Machine, Parts, Phase};
 use super::meter::{Expectation, Meter};
 use super::tally::{Absence, Tally};
 use super::verdict::{Outcome, Verdict};
 use crate::buffers::pool::{FramePool, Order};
 use crate::camif::registers::{DmaMode, Events, FrameRate};
 use crate::port::{DmaError, Port, Target, Transfer};
-
-/// What capture is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Phase {
-    /// Not started, stopped, or refused by the DMA.
-    Stopped,
-    /// A snapshot has been taken, and no other was asked for.
-    Idle,
-    /// A frame is awaited or captured.
-    Running,
-    /// The rest of a frame passes by before capture can start again.
-    Flushing,
-    /// No buffer is free.
-    Paused,
-}
 
 /// The buffer at which the DMA is.
 #[derive(Clone, Copy, Debug)]
@@ -60,8 +46,6 @@ pub(super) struct Frames<'m, P, const N: usize> {
     transfer: Transfer,
     pub(super) policy: Policy,
     pub(super) damaged: Damaged,
-    /// The column of frames that are not captured while capture runs.
-    uncaptured: Absence,
     pub(super) expected: Expectation,
     pub(super) meter: Meter,
     pub(super) filling: Option<Filling>,
@@ -76,11 +60,63 @@ pub(super) struct Frames<'m, P, const N: usize> {
     pub(super) tally: Tally,
 }
 
+impl<'m, P: Port<'m>, const N: usize> Machine<'m> for Frames<'m, P, N> {
+    type Port = P;
+
+    fn parts(&mut self) -> Parts<'_, 'm, P> {
+        let Self { engine, phase, meter, tally, fresh, .. } = self;
+        Parts { engine, phase: *phase, meter, tally, fresh }
+    }
+
+    fn run(&mut self, events: Events) -> Result<(), Outcome> {
+        let stood_before_last = self.filling.is_some_and(|filling| filling.window + 1 < self.plan.count);
+        self.advance()?;
+        let reached_last = self.filling.is_none_or(|filling| filling.window + 1 == self.plan.count);
+        if self.plan.seamless && events.frame() && stood_before_last && reached_last {
+            // What follows the frame had to be decided before its end, and the DMA did not wait for it.
+            return Err(Outcome::LateInterrupt);
+        }
+        if events.line() {
+            let bytes =
+                if self.engine.has_counters() { self.engine.line_bytes() } else { self.position() * 4 };
+            self.meter.line(&self.expected, bytes);
+        }
+        if events.frame() { self.frame_ended() } else { Ok(()) }
+    }
+
+    fn lose(&mut self, outcome: Outcome, in_frame: bool) {
+        self.tally.evidence.words_moved |= self.position() > 0;
+        let ended = self.filling.is_some_and(|filling| filling.ended.is_some());
+        self.tally.lose_in_flight(outcome, ended, in_frame);
+        self.recover();
+    }
+
+    fn restart(&mut self) {
+        if self.policy == Policy::Snapshot && !self.pending {
+            self.phase = Phase::Idle;
+            self.tally.absence = Absence::Skipped;
+        } else if self.engine.is_quiet() {
+            // A refusal is told to whoever waits.
+            let _ = self.launch();
+        } else {
+            self.phase = Phase::Flushing;
+        }
+    }
+
+    fn position(&mut self) -> u32 {
+        match self.filling {
+            _ if self.transferred.is_some() => self.expected.words,
+            Some(filling) => filling.window * self.plan.chunk + self.engine.moved(),
+            None => 0,
+        }
+    }
+}
+
 impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
-    pub(super) fn new(port: P) -> Self {
+    pub(super) fn new(engine: Engine<'m, P>) -> Self {
         let burst = crate::camif::registers::Burst::One;
         Self {
-            engine: Engine::new(port),
+            engine,
             pool: FramePool::new(),
             phase: Phase::Stopped,
             plan: Plan::default(),
@@ -93,7 +129,6 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             },
             policy: Policy::NewestWins,
             damaged: Damaged::Discard,
-            uncaptured: Absence::Lost,
             expected: Expectation::default(),
             meter: Meter::default(),
             filling: None,
@@ -101,7 +136,7 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             next: None,
             pending: false,
             fresh: false,
-            tally: Tally::new(0),
+            tally: Tally::new(0, FrameRate::All),
         }
     }
 
@@ -118,10 +153,8 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
             half_interrupt: false,
         };
         (self.policy, self.damaged) = (config.policy, config.damaged);
-        let skips = config.frame_rate != FrameRate::All;
-        self.uncaptured = if skips { Absence::Skipped } else { Absence::Lost };
         self.expected = Expectation::new(config, &part);
-        self.tally = Tally::new(self.expected.words);
+        self.tally = Tally::new(self.expected.words, config.frame_rate);
         self.engine.program(config, !plan.seamless, config.line_interrupts);
         (self.phase, self.pending) = (Phase::Idle, false);
         if self.policy == Policy::Snapshot {
@@ -139,63 +172,6 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         (self.filling, self.transferred, self.next) = (None, None, None);
         let ready = self.pool.clear();
         self.tally.drop_ready(ready);
-    }
-
-    /// Does what the interrupts ask for. True if a frame has become ready.
-    pub(super) fn service(&mut self) -> bool {
-        if self.phase == Phase::Stopped {
-            return false;
-        }
-        let events = self.engine.take_events();
-        if events.line() {
-            self.tally.line();
-        }
-        if self.phase == Phase::Running {
-            self.tally.events(events);
-            if let Err(outcome) = self.run(events) {
-                // Between frames nothing but what has ended can be lost.
-                let between = !events.vsync() && self.engine.status().vsync();
-                self.lose(outcome, !between);
-            }
-        }
-        if events.vsync() {
-            let after = match self.phase {
-                Phase::Paused => Absence::Dropped,
-                Phase::Idle | Phase::Stopped => Absence::Skipped,
-                Phase::Flushing => Absence::Lost,
-                Phase::Running => self.uncaptured,
-            };
-            self.tally.vsync(after);
-            // Lines before this were measured for a frame that ended, or for one that was lost on the way.
-            self.meter = Meter::default();
-        }
-        if self.phase == Phase::Flushing {
-            self.restart();
-        }
-        core::mem::take(&mut self.fresh)
-    }
-
-    /// Events while capture runs; `Err` if what is in flight can't be trusted any more.
-    fn run(&mut self, events: Events) -> Result<(), Outcome> {
-        if events.overrun() {
-            return Err(Outcome::Overrun);
-        }
-        if events.error() {
-            return Err(Outcome::SyncError);
-        }
-        let stood_before_last = self.filling.is_some_and(|filling| filling.window + 1 < self.plan.count);
-        self.advance()?;
-        let reached_last = self.filling.is_none_or(|filling| filling.window + 1 == self.plan.count);
-        if self.plan.seamless && events.frame() && stood_before_last && reached_last {
-            // What follows the frame had to be decided before its end, and the DMA did not wait for it.
-            return Err(Outcome::LateInterrupt);
-        }
-        if events.line() {
-            let bytes =
-                if self.engine.has_counters() { self.engine.line_bytes() } else { self.position() * 4 };
-            self.meter.line(&self.expected, bytes);
-        }
-        if events.frame() { self.frame_ended() } else { Ok(()) }
     }
 
     /// Keeps the DMA supplied.
@@ -280,22 +256,6 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         Ok(())
     }
 
-    /// Gives up all that is in flight.
-    pub(super) fn lose(&mut self, outcome: Outcome, in_frame: bool) {
-        self.tally.evidence.words_moved |= self.position() > 0;
-        let ended = self.filling.is_some_and(|filling| filling.ended.is_some());
-        if ended {
-            self.tally.lose(outcome);
-        }
-        if (in_frame || !ended) && self.tally.account() {
-            self.tally.lose(outcome);
-        }
-        if outcome == Outcome::DmaError {
-            self.tally.statistics.dma_errors = self.tally.statistics.dma_errors.wrapping_add(1);
-        }
-        self.recover();
-    }
-
     /// Stops the DMA and what is being captured, and starts again.
     pub(super) fn recover(&mut self) {
         self.engine.stop_dma();
@@ -306,19 +266,6 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         self.engine.capture(false);
         self.tally.absence = Absence::Lost;
         self.restart();
-    }
-
-    /// The DMA has stopped: captures again as soon as the block has come to rest.
-    pub(super) fn restart(&mut self) {
-        if self.policy == Policy::Snapshot && !self.pending {
-            self.phase = Phase::Idle;
-            self.tally.absence = Absence::Skipped;
-        } else if self.engine.is_quiet() {
-            // A refusal is told to whoever waits.
-            let _ = self.launch();
-        } else {
-            self.phase = Phase::Flushing;
-        }
     }
 
     /// Aims at a free buffer and lets the next frame in.
@@ -380,15 +327,6 @@ impl<'m, P: Port<'m>, const N: usize> Frames<'m, P, N> {
         match self.engine.aim_free(slot as u8, 0) {
             Ok(()) => self.engine.capture(true),
             Err(outcome) => self.lose(outcome, true),
-        }
-    }
-
-    /// Words of the frame in progress that have reached memory.
-    pub(super) fn position(&mut self) -> u32 {
-        match self.filling {
-            _ if self.transferred.is_some() => self.expected.words,
-            Some(filling) => filling.window * self.plan.chunk + self.engine.moved(),
-            None => 0,
         }
     }
 

@@ -11,6 +11,7 @@ use super::chunks::IN_FLIGHT;
 use super::config::Damaged;
 use super::engine::POLLS;
 use super::frames::{Filling, Frames};
+use super::machine::Machine;
 use super::verdict::{Outcome, Verdict};
 use crate::port::Port;
 

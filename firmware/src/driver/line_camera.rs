@@ -1,17 +1,16 @@
 //! A camera that captures line by line, into memory for a few lines only.
 
 use core::fmt;
-use core::future::poll_fn;
 use core::ops::Deref;
-use core::task::Poll;
 
 use super::config::Config;
 use super::deadline::Timeout;
+use super::engine::Engine;
 use super::error::StartError;
-use super::frames::Phase;
 use super::lines::Lines;
 use super::lint::{self, Layout};
-use super::shared::{Shared, State};
+use super::machine::Machine;
+use super::shared::Shared;
 use super::verdict::{Statistics, Verdict};
 use crate::buffers::ring::{LineInfo, Next};
 use crate::port::{Port, SLOTS};
@@ -22,8 +21,6 @@ use crate::port::{Port, SLOTS};
 /// free is dropped and counted. Share it as [`FrameCamera`](super::FrameCamera); it must be served once a line.
 pub struct LineCamera<'m, P, const N: usize> {
     pub(super) shared: Shared<Lines<'m, P, N>>,
-    /// The shortest buffer and its words.
-    shortest: (u8, u32),
 }
 
 /// What comes from the wires.
@@ -40,18 +37,9 @@ impl<'m, P: Port<'m>, const N: usize> LineCamera<'m, P, N> {
     ///
     /// # Errors
     /// [`StartError::SlotTaken`] if the port already holds memory.
-    pub fn new(mut port: P, buffers: [&'m mut [u32]; N]) -> Result<Self, StartError> {
+    pub fn new(port: P, buffers: [&'m mut [u32]; N]) -> Result<Self, StartError> {
         const { assert!(N >= 3 && N <= SLOTS, "a camera takes 3 to 8 line buffers") };
-        let mut shortest = (0, u32::MAX);
-        for (slot, buffer) in buffers.into_iter().enumerate() {
-            // A transfer reaches no further than 2²⁸ words, so a longer buffer counts as that.
-            let words = u32::try_from(buffer.len()).unwrap_or(u32::MAX);
-            if words < shortest.1 {
-                shortest = (slot as u8, words);
-            }
-            port.lend(slot, buffer).map_err(|_| StartError::SlotTaken { slot })?;
-        }
-        Ok(Self { shared: Shared::new(Lines::new(port)), shortest })
+        Ok(Self { shared: Shared::new(Lines::new(Engine::new(port, buffers)?)) })
     }
 
     /// Starts capture, afresh if it runs already. [`Policy`](super::config::Policy) and
@@ -68,11 +56,7 @@ impl<'m, P: Port<'m>, const N: usize> LineCamera<'m, P, N> {
             if let Some(finding) = lint::first_error(config, &part, Layout::Lines) {
                 return Err(StartError::Refused(finding));
             }
-            let needed = u64::from(config.geometry().line_words());
-            let (buffer, words) = self.shortest;
-            if needed > u64::from(words) {
-                return Err(StartError::BufferTooSmall { buffer: usize::from(buffer), needed, words });
-            }
+            lines.engine.check_room(u64::from(config.geometry().line_words()))?;
             lines.start(config).map_err(StartError::Dma)
         })
     }
@@ -89,7 +73,7 @@ impl<'m, P: Port<'m>, const N: usize> LineCamera<'m, P, N> {
 
     /// The next line or end of a frame, if there is one.
     pub fn try_line(&self) -> Option<LineEvent<'_, 'm, P, N>> {
-        self.shared.with(|state| self.lease(state))
+        self.shared.with(|state| self.lease(&mut state.machine))
     }
 
     /// Waits for a line or the end of a frame until `deadline`. `idle` is called over and over; it may sleep until an
@@ -100,18 +84,9 @@ impl<'m, P: Port<'m>, const N: usize> LineCamera<'m, P, N> {
     pub fn wait_line(
         &self,
         deadline: u64,
-        mut idle: impl FnMut() -> u64,
+        idle: impl FnMut() -> u64,
     ) -> Result<LineEvent<'_, 'm, P, N>, Timeout> {
-        loop {
-            let now = idle();
-            self.on_interrupt();
-            if let Some(event) = self.try_line() {
-                return Ok(event);
-            }
-            if now >= deadline {
-                return Err(self.diagnose());
-            }
-        }
+        self.shared.wait(deadline, idle, |lines| self.lease(lines))
     }
 
     /// Waits for a line or the end of a frame until `deadline`, in the ticks that [`LineCamera::advance`] is told;
@@ -120,22 +95,7 @@ impl<'m, P: Port<'m>, const N: usize> LineCamera<'m, P, N> {
     /// # Errors
     /// [`Timeout`] with the cause.
     pub async fn next_line(&self, deadline: u64) -> Result<LineEvent<'_, 'm, P, N>, Timeout> {
-        poll_fn(|context| {
-            let (poll, displaced) = self.shared.with(|state| {
-                if let Some(event) = self.lease(state) {
-                    return (Poll::Ready(Ok(event)), None);
-                }
-                match state.wait(context, deadline) {
-                    Ok(displaced) => (Poll::Pending, displaced),
-                    Err(()) => (Poll::Ready(Err(state.machine.diagnose())), None),
-                }
-            });
-            if let Some(waker) = displaced {
-                waker.wake();
-            }
-            poll
-        })
-        .await
+        self.shared.next(deadline, |lines| self.lease(lines)).await
     }
 
     /// Tells the time to tasks that wait with a deadline: call it from a timer's interrupt. Time does not go back.
@@ -157,12 +117,11 @@ impl<'m, P: Port<'m>, const N: usize> LineCamera<'m, P, N> {
     pub fn into_parts(self) -> (P, [Option<&'m mut [u32]>; N]) {
         let mut lines = self.shared.into_machine();
         lines.stop();
-        let buffers = core::array::from_fn(|slot| lines.engine.port().take_back(slot));
-        (lines.engine.into_port(), buffers)
+        lines.engine.into_parts()
     }
 
-    fn lease(&self, state: &mut State<Lines<'m, P, N>>) -> Option<LineEvent<'_, 'm, P, N>> {
-        match state.machine.next()? {
+    fn lease(&self, lines: &mut Lines<'m, P, N>) -> Option<LineEvent<'_, 'm, P, N>> {
+        match lines.next()? {
             (Next::End(verdict), _) => Some(LineEvent::FrameEnd(verdict)),
             (Next::Line { slot, line }, memory) => {
                 Some(LineEvent::Line(Line { camera: self, memory, slot, info: line }))
@@ -193,18 +152,6 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
         };
         Some((next, memory))
     }
-
-    fn diagnose(&mut self) -> Timeout {
-        let status = self.engine.status();
-        let words = self.position();
-        let evidence = &mut self.tally.evidence;
-        evidence.look(status);
-        evidence.words = words;
-        evidence.words_moved |= words > 0;
-        evidence.no_buffer = self.phase == Phase::Paused;
-        evidence.stopped = matches!(self.phase, Phase::Stopped | Phase::Idle);
-        Timeout::new(*evidence)
-    }
 }
 
 /// A line in its buffer; reads as bytes. Dropping it gives the buffer back.
@@ -229,7 +176,7 @@ impl<'m, P: Port<'m>, const N: usize> Line<'_, 'm, P, N> {
     }
 
     /// Its bytes as the DMA wrote them. If it is shorter than configured, its length is known to the byte with
-    /// [`Config::line_interrupts`] only, and else up to the end of the word.
+    /// [`Config::line_interrupts`] only, and if it left the FIFO before the next line ended; else to the end of the word.
     #[must_use]
     pub fn bytes(&self) -> &[u8] {
         let memory: &[u8] = bytemuck::cast_slice(self.memory.as_deref().unwrap_or(&[]));

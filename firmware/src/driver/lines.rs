@@ -11,9 +11,10 @@
 //!
 //! A frame of which no line was kept has no end either: the next verdict's `dropped_before` counts it.
 
+use super::chunks::IN_FLIGHT;
 use super::config::Config;
 use super::engine::{Engine, POLLS, Progress, even_burst};
-use super::frames::Phase;
+use super::machine::{Machine, Parts, Phase};
 use super::meter::{Expectation, Meter};
 use super::tally::{Absence, Tally};
 use super::verdict::{Outcome, Verdict};
@@ -30,8 +31,6 @@ pub(super) struct Lines<'m, P, const N: usize> {
     burst: Burst,
     /// The part ends a transfer with the line.
     by_line: bool,
-    /// The column of frames that are not captured while capture runs.
-    uncaptured: Absence,
     expected: Expectation,
     meter: Meter,
     /// Buffers at targets 0 and 1.
@@ -48,15 +47,58 @@ pub(super) struct Lines<'m, P, const N: usize> {
     pub(super) tally: Tally,
 }
 
+impl<'m, P: Port<'m>, const N: usize> Machine<'m> for Lines<'m, P, N> {
+    type Port = P;
+
+    fn parts(&mut self) -> Parts<'_, 'm, P> {
+        let Self { engine, phase, meter, tally, fresh, .. } = self;
+        Parts { engine, phase: *phase, meter, tally, fresh }
+    }
+
+    fn run(&mut self, events: Events) -> Result<(), Outcome> {
+        if events.line() {
+            let bytes = self.engine.line_bytes();
+            self.meter.line(&self.expected, bytes);
+            self.line_bytes = Some(bytes);
+        }
+        self.advance()?;
+        if events.frame() { self.frame_ended() } else { Ok(()) }
+    }
+
+    fn lose(&mut self, outcome: Outcome, in_frame: bool) {
+        self.tally.evidence.words_moved |= self.position() > 0;
+        let ended = self.ended.take();
+        self.tally.lose_in_flight(outcome, ended.is_some(), in_frame);
+        let bytes = self.complete.saturating_mul(self.expected.line_bytes);
+        let verdict = ended.unwrap_or_else(|| self.sealed(bytes, Some(self.complete)));
+        // The frame's end says why.
+        self.put_end(Verdict { outcome, overruns: self.tally.statistics.overruns, ..verdict });
+        self.recover();
+    }
+
+    fn restart(&mut self) {
+        if self.engine.is_quiet() {
+            // A refusal is told to whoever waits.
+            let _ = self.launch();
+        } else {
+            self.phase = Phase::Flushing;
+        }
+    }
+
+    fn position(&mut self) -> u32 {
+        let complete = self.complete.saturating_mul(self.expected.line_bytes) / 4;
+        if self.phase == Phase::Running { complete + self.engine.moved() } else { 0 }
+    }
+}
+
 impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
-    pub(super) fn new(port: P) -> Self {
+    pub(super) fn new(engine: Engine<'m, P>) -> Self {
         Self {
-            engine: Engine::new(port),
+            engine,
             ring: LineRing::new(),
             phase: Phase::Stopped,
             burst: Burst::One,
             by_line: false,
-            uncaptured: Absence::Lost,
             expected: Expectation::default(),
             meter: Meter::default(),
             aimed: [0; 2],
@@ -65,7 +107,7 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
             kept: 0,
             ended: None,
             fresh: false,
-            tally: Tally::new(0),
+            tally: Tally::new(0, FrameRate::All),
         }
     }
 
@@ -79,9 +121,7 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
         self.by_line = part.line_by_line;
         let words = self.expected.line_bytes.div_ceil(4);
         self.burst = if self.by_line { config.burst } else { even_burst(config.burst, words) };
-        let skips = config.frame_rate != FrameRate::All;
-        self.uncaptured = if skips { Absence::Skipped } else { Absence::Lost };
-        self.tally = Tally::new(self.expected.words);
+        self.tally = Tally::new(self.expected.words, config.frame_rate);
         self.engine.program(config, false, measured);
         self.launch()
     }
@@ -92,55 +132,6 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
         self.phase = Phase::Stopped;
         self.ring.clear();
         self.ended = None;
-    }
-
-    /// Does what the interrupts ask for. True if a line or the end of a frame has become ready.
-    pub(super) fn service(&mut self) -> bool {
-        if self.phase == Phase::Stopped {
-            return false;
-        }
-        let events = self.engine.take_events();
-        if events.line() {
-            self.tally.line();
-        }
-        if self.phase == Phase::Running {
-            self.tally.events(events);
-            if let Err(outcome) = self.run(events) {
-                // Between frames nothing but what has ended can be lost.
-                let between = !events.vsync() && self.engine.status().vsync();
-                self.lose(outcome, !between);
-            }
-        }
-        if events.vsync() {
-            let after = match self.phase {
-                Phase::Paused => Absence::Dropped,
-                Phase::Idle | Phase::Stopped => Absence::Skipped,
-                Phase::Flushing => Absence::Lost,
-                Phase::Running => self.uncaptured,
-            };
-            self.tally.vsync(after);
-            self.meter = Meter::default();
-        }
-        if self.phase == Phase::Flushing {
-            self.restart();
-        }
-        core::mem::take(&mut self.fresh)
-    }
-
-    fn run(&mut self, events: Events) -> Result<(), Outcome> {
-        if events.overrun() {
-            return Err(Outcome::Overrun);
-        }
-        if events.error() {
-            return Err(Outcome::SyncError);
-        }
-        if events.line() {
-            let bytes = self.engine.line_bytes();
-            self.meter.line(&self.expected, bytes);
-            self.line_bytes = Some(bytes);
-        }
-        self.advance()?;
-        if events.frame() { self.frame_ended() } else { Ok(()) }
     }
 
     /// Hands on a line that is complete, if another buffer can take its place.
@@ -194,10 +185,13 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
             return Err(Outcome::LateInterrupt);
         }
         let verdict = self.judge().inspect_err(|&outcome| self.tally.lose(outcome))?;
-        if verdict.lines > self.complete
-            && verdict.lines - self.complete <= 2
-            && self.starts_lines_anew(&verdict)
-        {
+        let missing = verdict.lines.saturating_sub(self.complete);
+        if missing > 0 && self.starts_lines_anew(&verdict) {
+            // A line is a word at least, so no more of them can be on their way.
+            if missing > IN_FLIGHT {
+                self.tally.lose(Outcome::LateInterrupt);
+                return Err(Outcome::LateInterrupt);
+            }
             self.ended = Some(verdict);
             return Ok(());
         }
@@ -266,25 +260,6 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
         (self.complete, self.kept) = (0, 0);
     }
 
-    /// Gives up the frame in progress: its end says why.
-    fn lose(&mut self, outcome: Outcome, in_frame: bool) {
-        self.tally.evidence.words_moved |= self.position() > 0;
-        let ended = self.ended.take();
-        if ended.is_some() {
-            self.tally.lose(outcome);
-        }
-        if (in_frame || ended.is_none()) && self.tally.account() {
-            self.tally.lose(outcome);
-        }
-        if outcome == Outcome::DmaError {
-            self.tally.statistics.dma_errors = self.tally.statistics.dma_errors.wrapping_add(1);
-        }
-        let bytes = self.complete.saturating_mul(self.expected.line_bytes);
-        let verdict = ended.unwrap_or_else(|| self.sealed(bytes, Some(self.complete)));
-        self.put_end(Verdict { outcome, overruns: self.tally.statistics.overruns, ..verdict });
-        self.recover();
-    }
-
     /// Stops the DMA and what is being captured, and starts again.
     fn recover(&mut self) {
         self.engine.stop_dma();
@@ -292,15 +267,6 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
         self.engine.capture(false);
         self.tally.absence = Absence::Lost;
         self.restart();
-    }
-
-    fn restart(&mut self) {
-        if self.engine.is_quiet() {
-            // A refusal is told to whoever waits.
-            let _ = self.launch();
-        } else {
-            self.phase = Phase::Flushing;
-        }
     }
 
     /// Aims at two free buffers and lets the next frame in.
@@ -340,11 +306,5 @@ impl<'m, P: Port<'m>, const N: usize> Lines<'m, P, N> {
         if self.phase == Phase::Paused {
             self.restart();
         }
-    }
-
-    /// Words of the frame in progress that have reached memory.
-    pub(super) fn position(&mut self) -> u32 {
-        let complete = self.complete.saturating_mul(self.expected.line_bytes) / 4;
-        if self.phase == Phase::Running { complete + self.engine.moved() } else { 0 }
     }
 }

@@ -11,8 +11,8 @@ use super::config::{Config, Crop, LineSelect, Policy, SyncMode};
 use super::engine::even_burst;
 pub use super::findings::{Code, Finding, Severity};
 use super::frame_camera::frame_plan;
-use crate::camif::Part;
 use crate::camif::registers::{BusWidth, ByteSelect, Control, FrameRate};
+use crate::camif::{FIFO_WORDS, Part};
 
 /// How memory is filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub fn control(value: u32, part: &Part) -> impl Iterator<Item = Finding> + use<>
 
 type Rule = fn(&Config, &Part, Layout) -> Option<Code>;
 
-const RULES: [Rule; 18] = [
+const RULES: [Rule; 19] = [
     empty_frame,
     frame_size,
     clock_ratio,
@@ -56,6 +56,7 @@ const RULES: [Rule; 18] = [
     frame_rate,
     line_transfer,
     line_alignment,
+    short_line,
     frame_alignment,
     restart_each_frame,
     burst_alignment,
@@ -184,6 +185,11 @@ fn line_alignment(config: &Config, part: &Part, layout: Layout) -> Option<Code> 
         .then_some(Code::LineAlignment { bytes })
 }
 
+fn short_line(config: &Config, _: &Part, layout: Layout) -> Option<Code> {
+    let words = config.geometry().line_words();
+    (layout == Layout::Lines && words <= FIFO_WORDS as u32).then_some(Code::ShortLine { words })
+}
+
 fn frame_alignment(config: &Config, _: &Part, layout: Layout) -> Option<Code> {
     let bytes = config.geometry().bytes();
     (layout == Layout::Frames && !config.jpeg && !bytes.is_multiple_of(4))
@@ -250,7 +256,8 @@ mod tests {
         let camif = Part::CAMIF;
         let f4 = Part::STM32F4;
         let (frames, lines) = (Layout::Frames, Layout::Lines);
-        let cases: [(Config, Part, Layout, Code); 21] = [
+        let cases: [(Config, Part, Layout, Code); 22] = [
+            (Config { line_clocks: 16, ..base }, camif, lines, Code::ShortLine { words: 4 }),
             (
                 Config { line_clocks: 8, ..base },
                 f4,

@@ -13,6 +13,7 @@
 //! | [`deadline`] | why a wait ended without a frame |
 //! | [`chunks`] | how a frame is cut into transfers |
 //! | `frames`, `judge`, `lines` | the state machines behind the cameras, and how a frame's end is judged |
+//! | `machine` | what both do alike |
 //! | `meter`, `tally` | lines measured, frames counted |
 //! | `engine` | every access to the block and its DMA |
 //! | `shared` | what the interrupt handler and the tasks share |
@@ -38,15 +39,23 @@
 //! let sync = SyncMode::Gated { hsync_blank_high: true, vsync_blank_high: true };
 //! camera.start(&Config::new(sync, 16, 4))?;
 //!
-//! // A sensor sends a frame of 4 lines of 16 bytes over and over.
-//! let send = || {
-//!     let blank = Samples::Repeat { value: 0, clocks: 8 };
-//!     model.borrow_mut().run(Sync { hsync: true, vsync: true }, blank);
-//!     for line in [[1; 16], [2; 16], [3; 16], [4; 16]] {
-//!         model.borrow_mut().run(Sync { hsync: false, vsync: false }, Samples::Bytes(&line));
-//!         model.borrow_mut().run(Sync { hsync: true, vsync: false }, blank);
+//! // The model stops where an interrupt line rises, and the handler is called, as hardware would.
+//! let play = |hsync, vsync, mut samples: Samples<'_>| {
+//!     while !samples.is_empty() {
+//!         let played = model.borrow_mut().run(Sync { hsync, vsync }, samples);
+//!         samples = samples.skip(played);
 //!         camera.on_interrupt();
 //!     }
+//! };
+//! // A sensor sends a frame of 4 lines of 16 bytes over and over.
+//! let blank = Samples::Repeat { value: 0, clocks: 8 };
+//! let send = || {
+//!     play(true, true, blank);
+//!     for line in [[1; 16], [2; 16], [3; 16], [4; 16]] {
+//!         play(false, false, Samples::Bytes(&line));
+//!         play(true, false, blank);
+//!     }
+//!     play(true, true, blank);
 //! };
 //! let mut now = 0;
 //! let frame = camera.wait_frame(10, || {
@@ -72,6 +81,7 @@ pub mod chunks;
 mod frames;
 mod judge;
 mod lines;
+mod machine;
 mod meter;
 mod tally;
 mod engine;

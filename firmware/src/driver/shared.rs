@@ -1,9 +1,13 @@
 //! What the interrupt handler and the tasks share: the state machine, the time, and who waits.
 
 use core::cell::RefCell;
-use core::task::{Context, Waker};
+use core::future::poll_fn;
+use core::task::{Context, Poll, Waker};
 
 use critical_section::Mutex;
+
+use super::deadline::Timeout;
+use super::machine::Machine;
 
 /// A state machine behind a critical section.
 pub(super) struct Shared<M> {
@@ -50,6 +54,55 @@ impl<M> Shared<M> {
         }
     }
 
+    /// Calls `idle`, serves the interrupts and tries to `lease`, over and over until it is `deadline`.
+    pub(super) fn wait<'m, R>(
+        &self,
+        deadline: u64,
+        mut idle: impl FnMut() -> u64,
+        lease: impl Fn(&mut M) -> Option<R>,
+    ) -> Result<R, Timeout>
+    where
+        M: Machine<'m>,
+    {
+        loop {
+            let now = idle();
+            self.with_wake(M::service);
+            if let Some(leased) = self.with(|state| lease(&mut state.machine)) {
+                return Ok(leased);
+            }
+            if now >= deadline {
+                return Err(self.with(|state| state.machine.diagnose()));
+            }
+        }
+    }
+
+    /// Tries to `lease` whenever woken, until it is `deadline`.
+    pub(super) async fn next<'m, R>(
+        &self,
+        deadline: u64,
+        lease: impl Fn(&mut M) -> Option<R>,
+    ) -> Result<R, Timeout>
+    where
+        M: Machine<'m>,
+    {
+        poll_fn(|context| {
+            let (poll, displaced) = self.with(|state| {
+                if let Some(leased) = lease(&mut state.machine) {
+                    return (Poll::Ready(Ok(leased)), None);
+                }
+                match state.wait(context, deadline) {
+                    Ok(displaced) => (Poll::Pending, displaced),
+                    Err(()) => (Poll::Ready(Err(state.machine.diagnose())), None),
+                }
+            });
+            if let Some(waker) = displaced {
+                waker.wake();
+            }
+            poll
+        })
+        .await
+    }
+
     pub(super) fn into_machine(self) -> M {
         self.state.into_inner().into_inner().machine
     }
@@ -58,7 +111,7 @@ impl<M> Shared<M> {
 impl<M> State<M> {
     /// The deadline has passed; if not, the task is woken when it has, or when something happens. Returns the waker that
     /// this one displaces, to be woken so that no task sleeps for ever.
-    pub(super) fn wait(&mut self, context: &Context<'_>, deadline: u64) -> Result<Option<Waker>, ()> {
+    fn wait(&mut self, context: &Context<'_>, deadline: u64) -> Result<Option<Waker>, ()> {
         if self.now >= deadline {
             return Err(());
         }

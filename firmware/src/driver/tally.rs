@@ -1,8 +1,9 @@
 //! The count of frames: each one on the wires ends up in exactly one column of [`Statistics`].
 
 use super::deadline::Evidence;
+use super::machine::Phase;
 use super::verdict::{Outcome, Statistics, Verdict};
-use crate::camif::registers::Events;
+use crate::camif::registers::{Events, FrameRate};
 
 /// Which column takes a frame that is not captured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +27,8 @@ pub(super) struct Tally {
     accounted: bool,
     /// A frame was captured, from which on all count.
     begun: bool,
+    /// The column of frames that are not captured while capture runs.
+    uncaptured: Absence,
     /// The column of the frame in progress unless it is captured.
     pub(super) absence: Absence,
     /// Sequence number after that of the frame handed out last.
@@ -35,13 +38,15 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub(super) fn new(words_expected: u32) -> Self {
+    /// Nothing counted yet of frames of so many words, all of which or some are wanted.
+    pub(super) fn new(words_expected: u32, rate: FrameRate) -> Self {
         Self {
             statistics: Statistics::default(),
             evidence: Evidence::expecting(words_expected),
             passed: 0,
             accounted: false,
             begun: false,
+            uncaptured: if rate == FrameRate::All { Absence::Lost } else { Absence::Skipped },
             absence: Absence::Lost,
             next: 0,
             overruns_before: 0,
@@ -67,13 +72,26 @@ impl Tally {
         self.evidence.damage(outcome);
     }
 
+    /// What was in flight is lost: the frame that had `ended`, and the one on the wires if it is touched.
+    pub(super) fn lose_in_flight(&mut self, outcome: Outcome, ended: bool, in_frame: bool) {
+        if ended {
+            self.lose(outcome);
+        }
+        if (in_frame || !ended) && self.account() {
+            self.lose(outcome);
+        }
+        if outcome == Outcome::DmaError {
+            self.statistics.dma_errors = self.statistics.dma_errors.wrapping_add(1);
+        }
+    }
+
     /// Frames were recycled before they were taken.
     pub(super) fn drop_ready(&mut self, frames: u32) {
         self.statistics.dropped = self.statistics.dropped.wrapping_add(frames);
     }
 
-    /// Overruns and errors count as they happen.
-    pub(super) fn events(&mut self, events: Events) {
+    /// Overruns and errors count as they happen. `Err` if there was one, the overrun before the error.
+    pub(super) fn events(&mut self, events: Events) -> Result<(), Outcome> {
         let (statistics, evidence) = (&mut self.statistics, &mut self.evidence);
         if events.overrun() {
             statistics.overruns = statistics.overruns.wrapping_add(1);
@@ -82,10 +100,15 @@ impl Tally {
         if events.error() {
             statistics.sync_errors = statistics.sync_errors.wrapping_add(1);
         }
+        match () {
+            () if events.overrun() => Err(Outcome::Overrun),
+            () if events.error() => Err(Outcome::SyncError),
+            () => Ok(()),
+        }
     }
 
-    /// A frame ended on the wires. `after` is the column of the next one unless it is captured.
-    pub(super) fn vsync(&mut self, after: Absence) {
+    /// A frame ended on the wires. The phase tells the column of the next one unless it is captured.
+    pub(super) fn vsync(&mut self, phase: Phase) {
         self.passed = self.passed.wrapping_add(1);
         self.evidence.vsyncs = self.evidence.vsyncs.saturating_add(1);
         let statistics = &mut self.statistics;
@@ -97,7 +120,12 @@ impl Tally {
             };
             *column = column.wrapping_add(1);
         }
-        self.absence = after;
+        self.absence = match phase {
+            Phase::Paused => Absence::Dropped,
+            Phase::Idle | Phase::Stopped => Absence::Skipped,
+            Phase::Flushing => Absence::Lost,
+            Phase::Running => self.uncaptured,
+        };
     }
 
     /// A line ended on the wires.

@@ -7,6 +7,7 @@ use firmware::camif::Bus;
 use super::Outcome;
 use super::generate::generate;
 use super::replay::replay;
+use super::showcase::showcase;
 use super::source::Source;
 use crate::picture;
 use crate::profile::{DEFAULT, Profile};
@@ -40,10 +41,14 @@ impl Demo {
         let created =
             generate(&profile, &scene, self.frames, &path, &mut |_, bytes| sent.push(picture::crc32(bytes)))?;
         let source = Source::open(&created.path, None, None)?;
-        let report = replay(&source, Bus::IDEAL, Some(&self.out))?;
+        let report = replay(&source, Bus::IDEAL, Some(&self.out), None)?;
+        let first = self.out.join("frame-0000.png");
+        let shown = if report.is_good() { showcase(&picture::read(&first)?, &self.out)? } else { Vec::new() };
         let received: Vec<_> = report.frames.iter().filter_map(|frame| frame.crc32).collect();
         if self.json {
-            println!("{}", serde_json::to_string_pretty(&report)?);
+            let mut object = serde_json::to_value(&report)?;
+            object["pictures"] = serde_json::to_value(&shown)?;
+            println!("{object:#}");
         } else {
             println!(
                 "scene ─► virtual sensor ─► trace ─► camera interface ─► driver ─► pictures\n\n{report}"
@@ -56,10 +61,10 @@ impl Demo {
         );
         if !self.json {
             println!("verified       every frame received is, byte by byte, the frame that was sent");
-            println!(
-                "pictures       {} (and the trace, demo.camt)",
-                self.out.join("frame-0000.png").display()
-            );
+            println!("pictures       {} (and the trace, demo.camt)", first.display());
+            for shown in &shown {
+                println!("               {}: {}", shown.png.display(), shown.about);
+            }
         }
         Ok(if report.is_good() { Outcome::Fine } else { Outcome::Fault })
     }

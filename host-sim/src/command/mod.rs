@@ -5,19 +5,24 @@
 //! | `demo` | scene → trace → block → driver → pictures and a table, with nothing attached |
 //! | `generate` | a scene or picture becomes a trace |
 //! | `replay` | a trace becomes frames |
+//! | `process` | a picture file goes through a pipeline |
+//! | `showcase` | what the demo makes of its first frame |
 //! | `source` | opening a trace by a profile |
 //! | `report` | what came of a replay, for people and as JSON |
 //! | `progress` | bars on stderr |
 
 mod demo;
 mod generate;
+mod process;
 mod progress;
 mod replay;
 mod report;
+mod showcase;
 mod source;
 
 pub use demo::Demo;
 pub use generate::Generate;
+pub use process::Process;
 pub use replay::Replay;
 
 use clap::Subcommand;
@@ -40,6 +45,8 @@ pub enum Command {
     Generate(Generate),
     /// Play a trace into the camera interface and receive its frames
     Replay(Replay),
+    /// Run the algorithms of the device on a picture file; `--op help` lists them
+    Process(Process),
 }
 
 impl Command {
@@ -52,6 +59,7 @@ impl Command {
             Self::Demo(demo) => demo.run(),
             Self::Generate(generate) => generate.run(),
             Self::Replay(replay) => replay.run(),
+            Self::Process(process) => process.run(),
         }
     }
 }

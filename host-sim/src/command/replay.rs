@@ -1,12 +1,14 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 
+use super::process::{print_help, print_timing};
 use super::report::{Collector, Report};
 use super::source::Source;
 use super::{Outcome, progress};
+use crate::pipeline::{Pipeline, Runner};
 use crate::receiver::{capture_config, parse_bus, receive};
 
 /// Options of `replay`.
@@ -26,6 +28,12 @@ pub struct Replay {
     /// Writes each frame as PNG and raw bytes to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Also sends each frame through these stages and writes frame-0000-op.png; help says which there are
+    #[arg(long, value_name = "PIPELINE")]
+    op: Option<String>,
+    /// Says on stderr how long each stage of --op took for all frames
+    #[arg(long, requires = "op")]
+    timing: bool,
     /// Prints one JSON object on stdout
     #[arg(long)]
     json: bool,
@@ -33,13 +41,26 @@ pub struct Replay {
 
 impl Replay {
     pub(super) fn run(&self) -> anyhow::Result<Outcome> {
+        if let Some(op) = &self.op
+            && print_help(op)?
+        {
+            return Ok(Outcome::Fine);
+        }
+        let pipeline: Option<Pipeline> = self.op.as_deref().map(str::parse).transpose().context("--op")?;
+        if pipeline.is_some() && self.out.is_none() {
+            bail!("--op makes pictures; say with `--out DIR` where to");
+        }
+        let mut runner = pipeline.as_ref().map(Runner::new);
         let bus = parse_bus(&self.bus_latency)?;
         let source = Source::open(&self.trace, self.profile.as_deref(), self.map.as_deref())?;
         if let Some(out) = &self.out {
             std::fs::create_dir_all(out)
                 .with_context(|| format!("{}: the folder cannot be made", out.display()))?;
         }
-        let report = replay(&source, bus, self.out.as_deref())?;
+        let report = replay(&source, bus, self.out.as_deref(), runner.as_mut())?;
+        if let (Some(runner), true) = (&runner, self.timing) {
+            print_timing(runner);
+        }
         if self.json {
             println!("{}", serde_json::to_string_pretty(&report)?);
         } else {
@@ -52,15 +73,16 @@ impl Replay {
     }
 }
 
-/// Plays a source into block and driver.
+/// Plays a source into block and driver. Frames are written to `out`, and once more as `runner` makes them.
 pub(super) fn replay(
     source: &Source,
     bus: firmware::camif::Bus,
     out: Option<&std::path::Path>,
+    runner: Option<&mut Runner<'_>>,
 ) -> anyhow::Result<Report> {
     let profile = &source.profile;
     let bar = progress::bytes("replay", source.trace.info().file_bytes);
-    let mut collector = Collector::new(profile, out);
+    let mut collector = Collector::new(profile, out, runner);
     let started = Instant::now();
     let (played, summary) =
         receive(&capture_config(profile), bus, &mut |frame| collector.take(&frame), |receiver| {
@@ -71,7 +93,7 @@ pub(super) fn replay(
     bar.finish_and_clear();
     let played = played?;
     if let Some(error) = collector.error {
-        return Err(error.into());
+        return Err(error);
     }
     let mut report = Report::new(source.trace.path(), profile, collector.frames, &summary, seconds);
     report.unknown_levels = played.unknown;

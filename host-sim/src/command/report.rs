@@ -2,9 +2,11 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use anyhow::Context as _;
 use serde::Serialize;
 
 use crate::picture;
+use crate::pipeline::{Picture, Runner};
 use crate::profile::{Choice, Profile};
 use crate::receiver::{Received, Summary};
 
@@ -50,21 +52,29 @@ pub(super) struct FrameReport {
     png: Option<PathBuf>,
     #[serde(skip_serializing_if = "Option::is_none")]
     raw: Option<PathBuf>,
+    /// The frame as the pipeline made it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    op_png: Option<PathBuf>,
 }
 
 /// Receives frames: measures them, and writes them to a folder if there is one.
-pub(super) struct Collector<'a> {
+pub(super) struct Collector<'a, 'p> {
     profile: &'a Profile,
     out: Option<&'a Path>,
+    runner: Option<&'a mut Runner<'p>>,
     pub(super) frames: Vec<FrameReport>,
-    pub(super) error: Option<picture::PictureError>,
+    pub(super) error: Option<anyhow::Error>,
     /// Time spent on measuring and writing frames, which is not the block's.
     pub(super) aside: Duration,
 }
 
-impl<'a> Collector<'a> {
-    pub(super) fn new(profile: &'a Profile, out: Option<&'a Path>) -> Self {
-        Self { profile, out, frames: Vec::new(), error: None, aside: Duration::ZERO }
+impl<'a, 'p> Collector<'a, 'p> {
+    pub(super) fn new(
+        profile: &'a Profile,
+        out: Option<&'a Path>,
+        runner: Option<&'a mut Runner<'p>>,
+    ) -> Self {
+        Self { profile, out, runner, frames: Vec::new(), error: None, aside: Duration::ZERO }
     }
 
     pub(super) fn take(&mut self, received: &Received<'_>) {
@@ -83,18 +93,31 @@ impl<'a> Collector<'a> {
             verdict: verdict.outcome.to_string(),
             png: None,
             raw: None,
+            op_png: None,
         };
-        if let (Some(out), Some(bytes), None) = (self.out, received.bytes, &self.error) {
-            let stem = format!("frame-{:04}", verdict.sequence);
-            let (png, raw) = (out.join(format!("{stem}.png")), out.join(format!("{stem}.raw")));
-            let picture = picture::decode(bytes, self.profile).picture;
-            match picture::write_png(&png, &picture).and_then(|()| picture::write_raw(&raw, bytes)) {
-                Ok(()) => (report.png, report.raw) = (Some(png), Some(raw)),
-                Err(error) => self.error = Some(error),
-            }
+        if let (Some(out), Some(bytes), None) = (self.out, received.bytes, &self.error)
+            && let Err(error) = self.write(out, bytes, &mut report)
+        {
+            self.error = Some(error);
         }
         self.frames.push(report);
         self.aside += started.elapsed();
+    }
+
+    fn write(&mut self, out: &Path, bytes: &[u8], report: &mut FrameReport) -> anyhow::Result<()> {
+        let stem = format!("frame-{:04}", report.seq);
+        let (png, raw) = (out.join(format!("{stem}.png")), out.join(format!("{stem}.raw")));
+        let picture = picture::decode(bytes, self.profile).picture;
+        picture::write_png(&png, &picture)?;
+        picture::write_raw(&raw, bytes)?;
+        (report.png, report.raw) = (Some(png), Some(raw));
+        if let Some(runner) = &mut self.runner {
+            let made = runner.run(Picture::from_image(&picture)).with_context(|| stem.clone())?;
+            let png = out.join(format!("{stem}-op.png"));
+            picture::write_png(&png, &made.into_image())?;
+            report.op_png = Some(png);
+        }
+        Ok(())
     }
 }
 

@@ -1,34 +1,30 @@
-use algos_nostd::pixel::bayer::{BayerOrder, Channel};
+use algos_nostd::color::demosaic::bilinear::{self, Bilinear};
+use algos_nostd::lines::LineFilter as _;
+use algos_nostd::pixel::BitDepth;
+use algos_nostd::pixel::bayer::BayerOrder;
 use rgb::RGB8;
 
-/// Colours of a mosaic of 8-bit samples, one line of pixels to each of `rows`.
+/// Colours of a mosaic of 8-bit samples, one line of pixels to each of `rows`: bilinear, as on the device.
 ///
-/// Each pixel keeps its own sample and takes the colours it lacks from the block of 2 × 2 around it.
+/// Lines of a single pixel have nothing to interpolate from: they become gray.
 pub(super) fn demosaic(samples: &[u8], order: BayerOrder, rows: &mut [&mut [RGB8]]) {
-    let height = rows.len();
-    for (y, row) in rows.iter_mut().enumerate() {
-        let width = row.len();
-        // At the far edges the block lies before the pixel; a side of one pixel has one filter only.
-        let (near, far) = (x_pair(y, height), width);
-        for (x, pixel) in row.iter_mut().enumerate() {
-            let across = x_pair(x, far);
-            let sample = |x: usize, y: usize| samples.get(y * width + x).copied().unwrap_or(0);
-            let mut colours = [None; 3];
-            for (x, y) in [(x, y), (across, y), (x, near), (across, near)] {
-                let slot = match order.channel(x, y) {
-                    Channel::Red => 0,
-                    Channel::Green => 1,
-                    Channel::Blue => 2,
-                };
-                colours[slot].get_or_insert(sample(x, y));
-            }
-            let own = sample(x, y);
-            *pixel = RGB8::from(colours.map(|colour| colour.unwrap_or(own)));
+    let width = rows.first().map_or(0, |row| row.len());
+    let (mut window, mut line) = (vec![0; bilinear::window(width)], vec![RGB8::default(); width]);
+    let Ok(mut filter) = Bilinear::new(order, BitDepth::Bits8, &mut window, &mut line) else {
+        for (row, &sample) in rows.iter_mut().zip(samples) {
+            row.fill(RGB8::new(sample, sample, sample));
         }
+        return;
+    };
+    let mut rows = rows.iter_mut();
+    let mut sink = |line: &[RGB8]| {
+        if let Some(row) = rows.next() {
+            row.copy_from_slice(line);
+        }
+    };
+    for line in samples.chunks(width.max(1)) {
+        // Refused would be lines of another length, which there are none of.
+        let _ = filter.push(line, &mut sink);
     }
-}
-
-/// The other place of a pair: the next one, or at the end the one before.
-fn x_pair(at: usize, length: usize) -> usize {
-    if at + 1 < length { at + 1 } else { at.saturating_sub(1) }
+    filter.finish(&mut sink);
 }

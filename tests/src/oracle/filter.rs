@@ -150,10 +150,10 @@ fn under<'a>(
     sign: i64,
 ) -> impl Iterator<Item = u8> + 'a {
     let (lines, columns) = (mask.len() as i64, mask[0].len() as i64);
-    (0..lines).flat_map(move |v| (0..columns).map(move |u| (u, v))).filter_map(move |(u, v)| {
-        mask[v as usize][u as usize]
-            .then(|| picture.at(x + sign * (u - columns / 2), y + sign * (v - lines / 2)))
-    })
+    (0..lines)
+        .flat_map(move |v| (0..columns).map(move |u| (u, v)))
+        .filter(|&(u, v)| mask[v as usize][u as usize])
+        .map(move |(u, v)| picture.at(x + sign * (u - columns / 2), y + sign * (v - lines / 2)))
 }
 
 /// Two pictures pixel by pixel.

@@ -10,5 +10,3 @@ pub mod edges;
 pub mod quantize;
 pub mod draw;
 pub mod clip;
-pub mod clip;
-pub mod draw;

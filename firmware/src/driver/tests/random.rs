@@ -200,7 +200,10 @@ fn play<const N: usize>(case: &Case) {
         }
         let statistics = camera.statistics();
         let taken = last.get().map_or(0, |last| last + 1);
-        assert_eq!(statistics.frames() as usize, sent.len(), "{statistics:?}");
+        // The marker that ends the last frame starts another, which may be lost as well.
+        let counted = camera.statistics().frames() as usize;
+        let opened = usize::from(case.wires == Wires::Marker);
+        assert!((sent.len()..=sent.len() + opened).contains(&counted), "{:?}", camera.statistics());
         assert_eq!(statistics.delivered + dropped_before.get(), taken, "gaps are told");
         assert!(overruns.get() <= statistics.overruns);
         held.borrow_mut().clear();

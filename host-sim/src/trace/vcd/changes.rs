@@ -1,4 +1,4 @@
-//! The value changes: the loop that decides how fast a VCD is read.
+//! The value changes, and the rule of when a sample is taken.
 //!
 //! ```text
 //! #18084   the time stamp before ends: was there an active edge? then its state is a sample
@@ -18,13 +18,14 @@
 //! sample. And where there is no `$dumpvars`, a first level of the clock that is active is an edge. Unknown values (x, z) read as 0 and are counted; an unknown clock is
 //! inactive.
 //!
-//! Cost: one load of eight bytes a change, one table entry, one update of a register; no branch depends on a value.
+//! Runs of common changes go through a loop of their own ([`common`](super::common)); what stops it is taken one token at a time
+//! ([`rare`]), which knows everything and says what is wrong.
 
 use super::blocks::TAIL;
 use super::error::Problem;
-use super::ids::{IdTable, PCLK, VECTOR};
+use super::ids::{IdTable, PCLK, WIRES};
 use super::rare;
-use super::scan::{binary, bit_count, blanks, decimal, digit_count, is_blank, load};
+use super::stamp::Guess;
 
 /// Which state is sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,6 +72,8 @@ pub(super) struct Machine {
     point: SamplePoint,
     /// State and time of a `$dumpvars` that may turn out to be the first sample.
     pub(super) first: Option<(u32, u64)>,
+    /// What the next time stamp is likely to look like.
+    pub(super) guess: Guess,
 }
 
 /// Why the parser stopped.
@@ -84,9 +87,6 @@ pub(super) enum Stop<E> {
     Sink(E),
 }
 
-/// Ten to the power of the index.
-const POWERS: [u64; 8] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000];
-
 impl Machine {
     pub(super) fn new(falling: bool, point: SamplePoint) -> Self {
         let idle = if falling { PCLK } else { 0 };
@@ -99,6 +99,7 @@ impl Machine {
             idle,
             point,
             first: None,
+            guess: Guess::default(),
         }
     }
 
@@ -113,86 +114,35 @@ impl Machine {
         ids: &IdTable,
         sink: &mut S,
     ) -> (usize, Result<(), Stop<S::Error>>) {
-        // A copy in registers; what is rare gets it by value.
-        let mut now = *self;
         let limit = if last { end } else { end.saturating_sub(TAIL) };
         let stop = loop {
+            // A section that is skipped may hold anything.
+            if self.section != Section::Skipped {
+                let (next, taken) = self.common(bytes, at, limit, ids, sink);
+                at = next;
+                if let Err(error) = taken {
+                    break Err(Stop::Sink(error));
+                }
+            }
             if at >= limit {
                 break Ok(());
             }
-            let word = load(bytes, at);
-            let first = word as u8;
-            if first & 0xFE == b'0' && now.section != Section::Skipped {
-                // Scalar. Most identifiers are short; predicting their length hides the search for their end.
-                let (key, length) = if is_blank((word >> 16) as u8) {
-                    (word >> 8 & 0xFF, 1)
-                } else if is_blank((word >> 24) as u8) {
-                    (word >> 8 & 0xFFFF, 2)
-                } else {
-                    let ends = (blanks(word) & !0xFF).trailing_zeros() / 8;
-                    // Without an end in sight the key is 0, which nothing has.
-                    let kept = 1_u64.checked_shl(8 * ends).map_or(0, |bit| bit - 1);
-                    ((word & kept) >> 8, ends.wrapping_sub(1) as usize)
-                };
-                let entry = ids.first(key);
-                if entry.key == key {
-                    now.state = now.state & !entry.mask | entry.mask & (word as u32 & 1).wrapping_neg();
-                    at += length + 2;
-                    continue;
-                }
-            } else if first == b'#' && now.section != Section::Skipped {
-                let digits = load(bytes, at + 1);
-                let count = digit_count(digits);
-                let mut next = at + 1 + count as usize;
-                if count > 0 {
-                    let mut time = decimal(digits, count);
-                    let mut more = 0;
-                    if count == 8 {
-                        let digits = load(bytes, next);
-                        more = digit_count(digits);
-                        if let (1.., Some(power)) = (more, POWERS.get(more as usize)) {
-                            time = time * power + decimal(digits, more);
-                            next += more as usize;
-                        }
-                    }
-                    if more < 8 && bytes.get(next).copied().is_some_and(is_blank) && time > now.time {
-                        if let Err(error) = now.close(sink) {
-                            break Err(Stop::Sink(error));
-                        }
-                        now.time = time;
-                        at = next + 1;
-                        continue;
-                    }
-                }
-            } else if first | 0x20 == b'b'
-                && now.section != Section::Skipped
-                && let Some((bits, mask, next)) = short_vector(bytes, at, ids)
-            {
-                now.state = now.state & !mask | bits;
-                at = next;
-                continue;
-            }
-            if is_blank(first) {
-                at += 1;
-                continue;
-            }
-            match rare::token(now, bytes, at, end, last, ids) {
+            match rare::token(*self, bytes, at, end, last, ids) {
                 Ok(rare::Step::Go(then, next)) => {
-                    now = then;
+                    *self = then;
                     at = next;
                 }
                 Ok(rare::Step::Time(time, next)) => {
-                    if let Err(error) = now.close(sink) {
+                    if let Err(error) = self.close(sink) {
                         break Err(Stop::Sink(error));
                     }
-                    now.time = time;
+                    self.time = time;
                     at = next;
                 }
                 Err((place, Some(problem))) => break Err(Stop::Text(place, problem)),
                 Err((_, None)) => break Err(Stop::More),
             }
         };
-        *self = now;
         (at.min(end), stop)
     }
 
@@ -215,7 +165,7 @@ impl Machine {
     #[cold]
     fn look_at_first<S: EdgeSink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
         let Some((state, time)) = self.first else { return Ok(()) };
-        let changed = self.state ^ state;
+        let changed = (self.state ^ state) & WIRES;
         if changed != 0 {
             self.first = None;
         }
@@ -224,38 +174,4 @@ impl Machine {
         }
         Ok(())
     }
-}
-
-/// A vector of up to 16 known bits with a short identifier: the bits of the state, their mask, and where the next token
-/// begins. `None` for anything else, which is then looked at without haste.
-#[inline(always)]
-fn short_vector(bytes: &[u8], at: usize, ids: &IdTable) -> Option<(u32, u32, usize)> {
-    let word = load(bytes, at + 1);
-    let count = bit_count(word);
-    if count == 0 {
-        return None;
-    }
-    let mut value = binary(word, count);
-    let mut next = at + 1 + count as usize;
-    if count == 8 {
-        let word = load(bytes, next);
-        let more = bit_count(word);
-        if more > 0 {
-            value = value << more | binary(word, more);
-            next += more as usize;
-        }
-    }
-    let word = load(bytes, next);
-    let ends = (blanks(word) & !0xFF).trailing_zeros() / 8;
-    if !is_blank(word as u8) || !(2..8).contains(&ends) {
-        return None;
-    }
-    let key = (word & ((1 << (8 * ends)) - 1)) >> 8 | VECTOR;
-    let entry = ids.first(key);
-    let digits = next - at - 1;
-    if entry.key != key || digits > entry.width() as usize {
-        return None;
-    }
-    let next = next + ends as usize + 1;
-    Some(ids.vector(entry).map_or((0, 0, next), |vector| (vector.bits(value), vector.mask, next)))
 }

@@ -21,6 +21,9 @@ pub(super) const DATA: u32 = 0x3FFF;
 pub(super) const HSYNC: u32 = 1 << 16;
 pub(super) const VSYNC: u32 = 1 << 17;
 pub(super) const PCLK: u32 = 1 << 18;
+pub(super) const WIRES: u32 = DATA | HSYNC | VSYNC | PCLK;
+/// A bit that stands for all signals that are no wires. It may change at any time and nobody looks at it.
+const OTHERS: u32 = 1 << 31;
 
 /// Characters of an identifier that fit a key.
 const KEY_CHARACTERS: usize = 7;
@@ -96,9 +99,12 @@ impl Vector {
 /// All declared identifiers.
 #[derive(Debug)]
 pub(super) struct IdTable {
+    /// What scalars with identifiers of one or two characters set; 0 if there is none. See [`IdTable::short`].
+    short: Box<[u32; 1 << 16]>,
     slots: Box<[Entry]>,
     multiplier: u64,
     long: HashMap<Box<[u8]>, Entry>,
+    mixed_lengths: bool,
     vectors: Vec<Vector>,
 }
 
@@ -136,9 +142,11 @@ impl IdTable {
             }
         }
         let mut table = Self {
+            short: no_short(),
             slots: vec![Entry { key: EMPTY, mask: 0, vector: NONE }; slots_for(kinds.len())].into(),
             multiplier: 0,
             long: HashMap::new(),
+            mixed_lengths: false,
             vectors: Vec::new(),
         };
         let mut wanted = Vec::new();
@@ -147,7 +155,13 @@ impl IdTable {
             let is_wire = !taps.is_empty();
             let mut entry = Entry { key: key(id).unwrap_or(0), mask: 0, vector: NONE };
             match kind {
-                Kind::Bits(1) => entry.mask = taps.first().map_or(0, |&(_, bits)| bits),
+                Kind::Bits(1) => {
+                    entry.mask = taps.first().map_or(0, |&(_, bits)| bits);
+                    let short = key(id).and_then(|key| u16::try_from(key).ok());
+                    if let Some(mask) = short.and_then(|key| table.short.get_mut(usize::from(key))) {
+                        *mask = if is_wire { entry.mask } else { OTHERS };
+                    }
+                }
                 Kind::Bits(width) => {
                     entry.key |= VECTOR;
                     entry.mask = width;
@@ -164,6 +178,10 @@ impl IdTable {
                 Some(_) => others.push(entry),
             }
         }
+        let length = |entry: &Entry| entry.key.leading_zeros() / 8;
+        let mut lengths = wanted.iter().filter(|entry| entry.is_scalar()).map(length);
+        let first = lengths.next();
+        table.mixed_lengths = lengths.any(|length| Some(length) != first);
         table.fill(&wanted, &others);
         Ok(table)
     }
@@ -189,6 +207,18 @@ impl IdTable {
             }
             self.slots[slot] = *entry;
         }
+    }
+
+    /// The wires' identifiers, where they are scalars, are not all of one length.
+    pub(super) fn has_mixed_lengths(&self) -> bool {
+        self.mixed_lengths
+    }
+
+    /// The bits of the state that a scalar sets whose identifier has one character, or two with the first in the lower
+    /// byte. `None` if no scalar is called so.
+    #[inline(always)]
+    pub(super) fn short(&self, id: u16) -> Option<u32> {
+        Some(self.short[usize::from(id)]).filter(|&mask| mask != 0)
     }
 
     #[inline(always)]
@@ -232,6 +262,11 @@ impl IdTable {
     pub(super) fn vector(&self, entry: Entry) -> Option<&Vector> {
         self.vectors.get(entry.vector as usize)
     }
+}
+
+/// Allocated as zeros, of which only the pages in use ever take memory.
+fn no_short() -> Box<[u32; 1 << 16]> {
+    vec![0; 1 << 16].try_into().unwrap_or_else(|_| Box::new([0; 1 << 16]))
 }
 
 /// A power of two, at least twice the identifiers.

@@ -11,7 +11,9 @@
 //! | `scan` | eight characters at a time |
 //! | `header` | the declarations |
 //! | `ids` | from identifier to wire |
-//! | `changes` | the fast loop, and the rule of when a sample is taken |
+//! | `stamp` | time stamps |
+//! | `changes` | the rule of when a sample is taken |
+//! | `common` | the fast loop |
 //! | `rare` | the other tokens |
 //! | `sampler` | samples to stretches; the clock measured |
 //! | `reader` | all of it: [`VcdReader`] |
@@ -23,7 +25,9 @@ mod blocks;
 mod scan;
 mod header;
 mod ids;
+mod stamp;
 mod changes;
+mod common;
 mod rare;
 mod sampler;
 mod reader;

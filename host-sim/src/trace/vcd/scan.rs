@@ -12,6 +12,15 @@
 const ONES: u64 = 0x0101_0101_0101_0101;
 const HIGHS: u64 = 0x8080_8080_8080_8080;
 
+/// As many bytes as any common token has, with the blank behind it.
+pub(super) type Window = [u8; 32];
+
+/// The eight bytes at `at`, of which it must be clear to the compiler that they are in the window.
+#[inline(always)]
+pub(super) fn word(window: &Window, at: usize) -> u64 {
+    load(window, at)
+}
+
 /// The eight bytes at `at`; blanks where there are none.
 #[inline(always)]
 pub(super) fn load(bytes: &[u8], at: usize) -> u64 {
@@ -45,15 +54,24 @@ pub(super) fn blanks(word: u64) -> u64 {
 /// How many of the first bytes are decimal digits, 0 to 8.
 #[inline(always)]
 pub(super) fn digit_count(word: u64) -> u32 {
-    let digits = word ^ (ONES * 0x30);
-    let others = (((digits & !HIGHS) + ONES * 0x76) | digits) & HIGHS;
-    others.trailing_zeros() / 8
+    not_digits(word ^ (ONES * 0x30)).trailing_zeros() / 8
+}
+
+/// Not 0 if any of the bytes, which are characters less `0`, is no decimal digit.
+#[inline(always)]
+pub(super) fn not_digits(digits: u64) -> u64 {
+    (((digits & !HIGHS) + ONES * 0x76) | digits) & HIGHS
 }
 
 /// The number that the first `count` bytes spell, which must be 1 to 8 digits.
 #[inline(always)]
 pub(super) fn decimal(word: u64, count: u32) -> u64 {
-    let digits = (word & (ONES * 0x0F)) << (64 - 8 * count);
+    decimal_of_eight((word & (ONES * 0x0F)) << (64 - 8 * count))
+}
+
+/// The number of eight digits, given as bytes from 0 to 9, the first in the lowest byte.
+#[inline(always)]
+pub(super) fn decimal_of_eight(digits: u64) -> u64 {
     let pairs = (digits.wrapping_mul(10 << 8 | 1) >> 8) & 0x00FF_00FF_00FF_00FF;
     let fours = (pairs.wrapping_mul(100 << 16 | 1) >> 16) & 0x0000_FFFF_0000_FFFF;
     fours.wrapping_mul(10_000 << 32 | 1) >> 32
