@@ -91,22 +91,26 @@ impl<const SIZE: usize> RowKernel<SIZE> for Bilateral<'_, SIZE> {
     }
 
     fn row(&mut self, rows: [&[u8]; SIZE], made: &mut [u8]) {
-        // Sums first and quotients after: the division then is one loop over a strip.
+        // Sums first and quotients after: the division then is one loop over a strip. The sum's halves are stored apart:
+        // a loop that reads 64 bits is given half as many lanes.
         let table = core::array::from_fn(|part| self.table.get(part).unwrap_or(&[0; DIFFERENCES]));
         let mut strip = [[0; STRIP + SIZE_MAX - 1]; SIZE];
-        let mut sums = [0; STRIP];
+        let (mut weights, mut differences) = ([0; STRIP], [0; STRIP]);
         for (index, made) in made.chunks_mut(STRIP).enumerate() {
             // Rows of a fixed length have no bounds to check.
             for (strip, row) in strip.iter_mut().zip(rows) {
                 let width = made.len() + SIZE - 1;
                 strip[..width].copy_from_slice(&row[index * STRIP..][..width]);
             }
-            for (x, sum) in sums.iter_mut().enumerate().take(made.len()) {
-                *sum = Self::sum(&table, &strip, x);
+            for (x, (weight, difference)) in
+                weights.iter_mut().zip(&mut differences).enumerate().take(made.len())
+            {
+                let sum = Self::sum(&table, &strip, x);
+                (*weight, *difference) = ((sum >> 32) as u32, sum as u32);
             }
             let centres = strip[SIZE / 2][SIZE / 2..].first_chunk().unwrap_or(&[0; STRIP]);
             let mut quotients = [0; STRIP];
-            divide(&sums, centres, &mut quotients);
+            divide(&weights, &differences, centres, &mut quotients);
             made.copy_from_slice(&quotients[..made.len()]);
         }
     }
@@ -139,11 +143,11 @@ impl<const SIZE: usize> Bilateral<'_, SIZE> {
 /// A vector unit has no integer division, so where there is one the quotient's eight bits are found one by one, by
 /// comparison, many pixels at a time; elsewhere the processor's own division is shorter. The quotients are the same.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
-fn divide(sums: &[u64; STRIP], centres: &[u8; STRIP], made: &mut [u8; STRIP]) {
+fn divide(weights: &[u32; STRIP], differences: &[u32; STRIP], centres: &[u8; STRIP], made: &mut [u8; STRIP]) {
     for x in 0..STRIP {
-        let difference = sums[x] as u32;
+        let difference = differences[x];
         // A negative lower half has borrowed one from the upper.
-        let weight = ((sums[x] >> 32) as u32).wrapping_add(difference >> 31);
+        let weight = weights[x].wrapping_add(difference >> 31);
         // The sum of weights times values, which is not negative and below 2³¹.
         let value = difference.wrapping_add(weight.wrapping_mul(u32::from(centres[x])));
         let value = value.wrapping_add(weight / 2);
