@@ -1,0 +1,74 @@
+//! The project's chores, as `cargo xtask COMMAND`.
+//!
+//! | module | what lives there |
+//! |---|---|
+//! | `toolchain` | which compiler can build for Cortex-M here, and what is missing |
+//! | `setup` | says how to get what is missing, and gets it when told so |
+//! | `boards` | builds the board packages, and finds what they are |
+//! | `qemu` | runs an image in QEMU and decodes its messages |
+//! | `snapshot` | compares with what was blessed |
+//! | `size` | flash and RAM of an image |
+//! | `suite` | all images, one after the other |
+
+mod toolchain;
+mod setup;
+mod boards;
+mod qemu;
+mod snapshot;
+mod size;
+mod suite;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "The project's chores")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Say what the images for Cortex-M need and this machine lacks, and how to get it
+    Setup(setup::Options),
+    /// Build the board packages, in release
+    BuildBoards {
+        /// Packages of `firmware/boards/`; all of them if none is named
+        packages: Vec<String>,
+    },
+    /// Run the images in QEMU and compare with their snapshots
+    Qemu(suite::Options),
+    /// Run one image in QEMU and show what it says
+    Run {
+        /// The image, a name in `firmware/boards/mps2/src/bin/`
+        image: String,
+        /// The machine
+        #[arg(long, default_value = "an386")]
+        board: qemu::Board,
+    },
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Setup(options) => setup::run(&options),
+        Command::BuildBoards { packages } => boards::build(&packages).map(|_| true),
+        Command::Qemu(options) => suite::run(&options),
+        Command::Run { image, board } => suite::run_one(&image, board),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The top of the repository.
+fn top() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("this package is not at the root").to_path_buf()
+}
