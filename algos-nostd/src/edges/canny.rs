@@ -8,7 +8,7 @@
 //! Reference: J. Canny, "A computational approach to edge detection", IEEE PAMI 8(6), 1986. See [`super::CannyLines`] and
 //! [`super::grow`] for the parts; this joins them and makes no pass over the frame of its own.
 //!
-//! Memory: [`canny_memory`] words beside the result. At VGA with the 5 × 5 kernel both together are 101 KB, of which
+//! Memory: [`canny_memory`] words beside the result. At VGA with the 5 × 5 kernel both together are 97 KB, of which
 //! the two bit maps are 77.
 
 use super::bits::{BitMap, BitMapMut, same_size, words_a_line, words_a_map};

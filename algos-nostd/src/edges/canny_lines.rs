@@ -13,7 +13,7 @@
 //! Where we deviate from the usual: smoothed rows keep their fraction (see [`super::smooth`]); L2 magnitudes are compared
 //! as squares, thresholds squared once, so there is no root and no rounding.
 //!
-//! Memory: [`CannyLines::memory`], at 640 pixels 24 KB with the 5 × 5 kernel. Nothing is kept of the frame.
+//! Memory: [`CannyLines::memory`], at 640 pixels 20 KB with the 5 × 5 kernel. Nothing is kept of the frame.
 
 use core::marker::PhantomData;
 
@@ -22,6 +22,7 @@ use super::carve::{carve, words_of};
 use super::smooth::Smoothing;
 use super::suppress::{Crest, Marks, suppress};
 use crate::image::Error;
+use crate::lines::pairs::{SIGN, both, join, middle, signed, split};
 use crate::lines::{LineFilter, LineSink, Reach, Window, shifted};
 
 /// How a gradient's two components make one magnitude.
@@ -75,8 +76,6 @@ pub struct CannyLines<'m, S> {
     low: u32,
     high: u32,
     source: Window<'m, u8>,
-    columns: &'m mut [u16],
-    smooth_row: &'m mut [u16],
     smooth: Window<'m, u16>,
     ridge: Ridge<'m>,
     marks: &'m mut [Marks],
@@ -94,7 +93,7 @@ struct Ridge<'m> {
 }
 
 impl<'m, S: Smoothing> CannyLines<'m, S> {
-    const SOURCE: Reach = Reach { columns: 0, lines: S::RADIUS };
+    const SOURCE: Reach = Reach::square(S::RADIUS);
     const SMOOTH: Reach = Reach { columns: 1, lines: 1 };
 
     /// Words of memory that the filter takes for lines of `width` pixels.
@@ -104,8 +103,6 @@ impl<'m, S: Smoothing> CannyLines<'m, S> {
         let pixels = words.saturating_mul(PIXELS_A_WORD);
         let parts = [
             words_of(Window::<u8>::memory(width, Self::SOURCE), 1),
-            words_of(width.saturating_add(2 * S::RADIUS).saturating_mul(S::COLUMN_SUMS), 2),
-            words_of(width, 2),
             words_of(Window::<u16>::memory(width, Self::SMOOTH), 2),
             pixels.saturating_add(2).saturating_mul(3),
             words_of(pixels, 2).saturating_mul(4),
@@ -137,8 +134,6 @@ impl<'m, S: Smoothing> CannyLines<'m, S> {
         let mut rest = memory;
         let pixels = words_a_line(width) * PIXELS_A_WORD;
         let source = carve(&mut rest, Window::<u8>::memory(width, Self::SOURCE)).ok_or(short)?;
-        let columns = carve(&mut rest, (width + 2 * S::RADIUS) * S::COLUMN_SUMS).ok_or(short)?;
-        let smooth_row = carve(&mut rest, width).ok_or(short)?;
         let smooth = carve(&mut rest, Window::<u16>::memory(width, Self::SMOOTH)).ok_or(short)?;
         let mut magnitudes = || carve(&mut rest, pixels + 2).ok_or(short);
         let magnitudes = [magnitudes()?, magnitudes()?, magnitudes()?];
@@ -153,8 +148,6 @@ impl<'m, S: Smoothing> CannyLines<'m, S> {
             low: thresholds.scaled(thresholds.low, S::SCALE),
             high: thresholds.scaled(thresholds.high, S::SCALE),
             source: Window::new(width, Self::SOURCE, source)?,
-            columns,
-            smooth_row,
             smooth: Window::new(width, Self::SMOOTH, smooth)?,
             ridge,
             marks,
@@ -163,13 +156,11 @@ impl<'m, S: Smoothing> CannyLines<'m, S> {
     }
 
     /// A line has been smoothed as far as its window allows: the window's centre moves down.
-    fn smooth_line(&mut self, sink: &mut impl LineSink<Marks>) -> Result<(), Error> {
+    fn smooth_line(&mut self, sink: &mut impl LineSink<Marks>) {
         let source = &self.source;
-        S::smooth(|i| source.row(i), self.columns, self.smooth_row);
-        if self.smooth.push(self.smooth_row)? {
+        if self.smooth.push_with(|row| S::smooth(|i| source.row(i), row)) {
             self.differentiate_line(sink);
         }
-        Ok(())
     }
 
     fn differentiate_line(&mut self, sink: &mut impl LineSink<Marks>) {
@@ -218,15 +209,14 @@ impl<S: Smoothing> LineFilter for CannyLines<'_, S> {
 
     fn push(&mut self, line: &[u8], sink: &mut impl LineSink<Marks>) -> Result<(), Error> {
         if self.source.push(line)? {
-            self.smooth_line(sink)?;
+            self.smooth_line(sink);
         }
         Ok(())
     }
 
     fn finish(&mut self, sink: &mut impl LineSink<Marks>) {
         while self.source.drain() {
-            // The row is as wide as the window it goes to: it can't be refused.
-            let _ = self.smooth_line(sink);
+            self.smooth_line(sink);
         }
         while self.smooth.drain() {
             self.differentiate_line(sink);
@@ -252,7 +242,7 @@ fn sobel_l1(rows: [&[u16]; 3], gradients: Gradients<'_>) {
     if cfg!(feature = "std") {
         sobel(rows, gradients, magnitude);
     } else {
-        sobel_rolling(rows, gradients, magnitude);
+        sobel_pairs(rows, gradients, magnitude);
     }
 }
 
@@ -265,7 +255,7 @@ fn sobel_l2(rows: [&[u16]; 3], gradients: Gradients<'_>) {
     if cfg!(feature = "std") {
         sobel(rows, gradients, magnitude);
     } else {
-        sobel_rolling(rows, gradients, magnitude);
+        sobel_pairs(rows, gradients, magnitude);
     }
 }
 
@@ -289,28 +279,45 @@ fn sobel(rows: [&[u16]; 3], gradients: Gradients<'_>, magnitude: impl Fn(i16, i1
     }
 }
 
-/// The same for a processor that takes one pixel at a time: each column is weighted once and used three times.
+/// The same for a processor without vector units, two pixels in a word (see [`crate::lines::pairs`]): each pair of columns is
+/// weighted once and used for two pairs of pixels.
+///
+/// Differences are kept above zero by an offset, so that no lane borrows from the other: [`RISE`] is more than a
+/// smoothed level, and four of them and of the highest rise stay below 2¹⁶.
 #[inline(always)]
-fn sobel_rolling(rows: [&[u16]; 3], gradients: Gradients<'_>, magnitude: impl Fn(i16, i16) -> u32) {
+fn sobel_pairs(rows: [&[u16]; 3], gradients: Gradients<'_>, magnitude: impl Fn(i16, i16) -> u32) {
     let Gradients { x: x_row, y: y_row, magnitudes } = gradients;
-    let [above, centre, below] = rows;
+    let width = magnitudes.len();
+    let [above, centre, below] = rows.map(|row| row.as_chunks::<2>().0);
     let mut columns = above.iter().zip(centre).zip(below).map(|((&above, &centre), &below)| {
-        let (above, centre, below) = (i32::from(above), i32::from(centre), i32::from(below));
-        (above + 2 * centre + below, below - above)
+        let (above, centre, below) = (join(above), join(centre), join(below));
+        (above + 2 * centre + below, below + both(RISE) - above)
     });
-    let (Some((mut left_sum, mut left_rise)), Some((mut sum, mut rise))) = (columns.next(), columns.next())
-    else {
-        return; // a padded row has three columns or more
-    };
-    for (((x_place, y_place), place), (right_sum, right_rise)) in
-        x_row.iter_mut().zip(y_row).zip(magnitudes).zip(columns)
-    {
-        let (x, y) = ((right_sum - left_sum) as i16, (left_rise + 2 * rise + right_rise) as i16);
-        (*x_place, *y_place, *place) = (x, y, magnitude(x, y));
-        (left_sum, left_rise) = (sum, rise);
-        (sum, rise) = (right_sum, right_rise);
+    let (x_pairs, y_pairs) = (x_row.as_chunks_mut::<2>().0, y_row.as_chunks_mut::<2>().0);
+    let (pairs, odd) = magnitudes.as_chunks_mut::<2>();
+    if let Some((mut left_sum, mut left_rise)) = columns.next() {
+        for (((x_place, y_place), place), (right_sum, right_rise)) in
+            x_pairs.iter_mut().zip(y_pairs).zip(pairs).zip(columns)
+        {
+            let x = split(signed(right_sum + both(SIGN) - left_sum));
+            let middle_rise = middle(left_rise, right_rise);
+            let y = split(signed(left_rise + 2 * middle_rise + right_rise + both(SIGN - 4 * RISE)));
+            (*x_place, *y_place) = (x, y);
+            *place = [magnitude(x[0], y[0]), magnitude(x[1], y[1])];
+            (left_sum, left_rise) = (right_sum, right_rise);
+        }
+    }
+    if let Some(place) = odd.first_mut() {
+        // The last pixel of an odd width, by itself.
+        let last = width - 1;
+        let (x, y) = (core::slice::from_mut(&mut x_row[last]), core::slice::from_mut(&mut y_row[last]));
+        let gradients = Gradients { x, y, magnitudes: core::slice::from_mut(place) };
+        sobel(rows.map(|row| &row[last..]), gradients, magnitude);
     }
 }
+
+/// See [`sobel_pairs`].
+const RISE: u16 = 5120;
 
 #[cfg(test)]
 mod tests {
@@ -322,11 +329,11 @@ mod tests {
         fn both_ways_to_the_gradient_agree(levels in prop::collection::vec(0u16..=5068, 9..120)) {
             let padded = levels.len() / 3;
             let rows: [&[u16]; 3] = core::array::from_fn(|row| &levels[row * padded..][..padded]);
-            let made = |rolling: bool| {
+            let made = |pairs: bool| {
                 let (mut x, mut y, mut magnitudes) = (vec![0; padded + 5], vec![0; padded + 5], vec![0; padded - 2]);
                 let gradients = Gradients { x: &mut x, y: &mut y, magnitudes: &mut magnitudes };
                 let magnitude = |x: i16, y: i16| u32::from(x.unsigned_abs()) * 7 + u32::from(y.unsigned_abs());
-                if rolling { sobel_rolling(rows, gradients, magnitude) } else { sobel(rows, gradients, magnitude) }
+                if pairs { sobel_pairs(rows, gradients, magnitude) } else { sobel(rows, gradients, magnitude) }
                 (x, y, magnitudes)
             };
             prop_assert_eq!(made(true), made(false));

@@ -235,8 +235,8 @@ mod tests {
             GradientFilter::<Sobel, L1>::new(width, memory, line).unwrap_err()
         };
         let length = |name, expected, got| Error::BufferLength { name, expected, got };
-        assert_eq!(refused(2, &mut [0; 11], &mut [0; 2]), length("memory", 12, 11));
-        assert_eq!(refused(2, &mut [0; 12], &mut [0; 1]), length("line", 2, 1));
+        assert_eq!(refused(2, &mut [0; 11], &mut [0; 2]), length("memory", 24, 11));
+        assert_eq!(refused(2, &mut [0; 24], &mut [0; 1]), length("line", 2, 1));
         assert!(matches!(refused(0, &mut [], &mut []), Error::ZeroSize { .. }));
     }
 }

@@ -18,9 +18,9 @@
 //! lower* than the one that comes after. So a crest of two equal pixels keeps its first, never none or both. Outside the
 //! picture the magnitude is 0.
 //!
-//! Memory: three rows of magnitudes, one of gradients. Cost: words of 32 pixels without a magnitude above the lower
-//! threshold, most of a usual picture, cost a comparison a pixel. In the others every pixel is tested, without a branch,
-//! where the host has vector units, and pixels above the threshold one by one where it has not.
+//! Memory: three rows of magnitudes, one of gradients. Cost: a comparison a pixel; where the host has vector units, every
+//! pixel of a word with a magnitude above the lower threshold is then tested without a branch, and where it has not, only
+//! the pixels above the threshold are, one by one.
 
 use super::bits::PIXELS_A_WORD;
 
@@ -67,14 +67,6 @@ pub(super) fn suppress(crest: &Crest<'_>, marks: &mut [Marks]) {
         ) else {
             return; // rows are whole numbers of words
         };
-        // Loops, not closures: the compiler doesn't inline a closure of a function with more vector units than its callee.
-        let mut peak = 0;
-        for &magnitude in &here[1..=PIXELS_A_WORD] {
-            peak = magnitude.max(peak);
-        }
-        if peak <= crest.low {
-            continue;
-        }
         let rows = [above, here, below];
         *marks = if cfg!(feature = "std") {
             every_pixel(rows, x, y, crest.low, crest.high)
@@ -93,6 +85,14 @@ fn every_pixel(
     low: u32,
     high: u32,
 ) -> Marks {
+    // Loops, not closures: the compiler doesn't inline a closure of a function with more vector units than its callee.
+    let mut peak = 0;
+    for &magnitude in &rows[1][1..=PIXELS_A_WORD] {
+        peak = magnitude.max(peak);
+    }
+    if peak <= low {
+        return Marks::default();
+    }
     // 1 for a candidate, 3 for a strong one.
     let mut levels = [0; PIXELS_A_WORD];
     for i in 0..PIXELS_A_WORD {
@@ -103,7 +103,7 @@ fn every_pixel(
     Marks { candidates: gather(&levels, 0), strong: gather(&levels, 1) }
 }
 
-/// Only pixels above the lower threshold: for a processor that takes one at a time.
+/// Only pixels above the lower threshold, found as bits first: for a processor that takes one at a time.
 #[inline(always)]
 fn pixels_above(
     rows: Rows<'_>,
@@ -112,15 +112,46 @@ fn pixels_above(
     low: u32,
     high: u32,
 ) -> Marks {
+    // Magnitudes are below 2³¹, so that a difference has the sign of the comparison.
+    let limit = low.min(i32::MAX as u32);
+    let mut above = 0;
+    for &magnitude in &rows[1][1..=PIXELS_A_WORD] {
+        above = above << 1 | limit.wrapping_sub(magnitude) >> 31;
+    }
     let mut marks = Marks::default();
-    for i in 0..PIXELS_A_WORD {
-        let magnitude = rows[1][i + 1];
-        if magnitude > low && crest(rows, i, x[i], y[i]) != 0 {
-            marks.candidates |= 1 << i;
-            marks.strong |= u32::from(magnitude > high) << i;
+    while above != 0 {
+        // Pixel 0 is in the highest bit.
+        let i = above.leading_zeros();
+        let bit = 1 << (31 - i);
+        above ^= bit;
+        if is_crest(rows, i as usize % PIXELS_A_WORD, x, y) {
+            marks.candidates |= bit;
+            marks.strong |= if rows[1][i as usize % PIXELS_A_WORD + 1] > high { bit } else { 0 };
         }
     }
-    marks
+    Marks { candidates: marks.candidates.reverse_bits(), strong: marks.strong.reverse_bits() }
+}
+
+/// [`crest`] by branches, which a processor that does not guess takes for little.
+#[inline(always)]
+fn is_crest(
+    [above, here, below]: Rows<'_>,
+    i: usize,
+    x: &[i16; PIXELS_A_WORD],
+    y: &[i16; PIXELS_A_WORD],
+) -> bool {
+    let (a, b) = (u32::from(x[i].unsigned_abs()), u32::from(y[i].unsigned_abs()));
+    let diagonal = (a + b) * (a + b);
+    let (before, after) = if diagonal < 2 * a * a {
+        (here[i], here[i + 2])
+    } else if diagonal < 2 * b * b {
+        (above[i + 1], below[i + 1])
+    } else if x[i] ^ y[i] >= 0 {
+        (above[i], below[i + 2])
+    } else {
+        (above[i + 2], below[i])
+    };
+    here[i + 1] > before && here[i + 1] >= after
 }
 
 /// Whether pixel `i` of the middle row (whose element `i + 1` it is) is higher than its neighbours along the

@@ -29,8 +29,6 @@ use crate::lines::{LineFilter, LineSink, Reach, Window, shifted};
 pub struct ZeroCrossings<'m, S> {
     threshold: u32,
     source: Window<'m, u8>,
-    columns: &'m mut [u16],
-    smooth_row: &'m mut [u16],
     smooth: Window<'m, u16>,
     /// The Laplacians of the last three lines, a zero at either end.
     laplacians: [&'m mut [i32]; 3],
@@ -41,15 +39,13 @@ pub struct ZeroCrossings<'m, S> {
 }
 
 impl<'m, S: Smoothing> ZeroCrossings<'m, S> {
-    const SOURCE: Reach = Reach { columns: 0, lines: S::RADIUS };
+    const SOURCE: Reach = Reach::square(S::RADIUS);
     const SMOOTH: Reach = Reach { columns: 1, lines: 1 };
 
     /// Words of memory that the filter takes for lines of `width` pixels.
     #[must_use]
     pub const fn memory(width: usize) -> usize {
         words_of(Window::<u8>::memory(width, Self::SOURCE), 1)
-            .saturating_add(words_of(width.saturating_add(2 * S::RADIUS).saturating_mul(S::COLUMN_SUMS), 2))
-            .saturating_add(words_of(width, 2))
             .saturating_add(words_of(Window::<u16>::memory(width, Self::SMOOTH), 2))
             .saturating_add(width.saturating_mul(3))
             .saturating_add(words_a_line(width))
@@ -67,8 +63,6 @@ impl<'m, S: Smoothing> ZeroCrossings<'m, S> {
         let short = Error::BufferLength { name: "memory", expected: Self::memory(width), got: memory.len() };
         let mut rest = memory;
         let source = carve(&mut rest, Window::<u8>::memory(width, Self::SOURCE)).ok_or(short)?;
-        let columns = carve(&mut rest, (width + 2 * S::RADIUS) * S::COLUMN_SUMS).ok_or(short)?;
-        let smooth_row = carve(&mut rest, width).ok_or(short)?;
         let smooth = carve(&mut rest, Window::<u16>::memory(width, Self::SMOOTH)).ok_or(short)?;
         let mut row = || carve(&mut rest, width).ok_or(short);
         let laplacians = [row()?, row()?, row()?];
@@ -79,8 +73,6 @@ impl<'m, S: Smoothing> ZeroCrossings<'m, S> {
         Ok(Self {
             threshold,
             source: Window::new(width, Self::SOURCE, source)?,
-            columns,
-            smooth_row,
             smooth: Window::new(width, Self::SMOOTH, smooth)?,
             laplacians,
             made: 0,
@@ -89,13 +81,11 @@ impl<'m, S: Smoothing> ZeroCrossings<'m, S> {
         })
     }
 
-    fn smooth_line(&mut self, sink: &mut impl LineSink<u32>) -> Result<(), Error> {
+    fn smooth_line(&mut self, sink: &mut impl LineSink<u32>) {
         let source = &self.source;
-        S::smooth(|i| source.row(i), self.columns, self.smooth_row);
-        if self.smooth.push(self.smooth_row)? {
+        if self.smooth.push_with(|row| S::smooth(|i| source.row(i), row)) {
             self.differentiate_line(sink);
         }
-        Ok(())
     }
 
     fn differentiate_line(&mut self, sink: &mut impl LineSink<u32>) {
@@ -126,15 +116,14 @@ impl<S: Smoothing> LineFilter for ZeroCrossings<'_, S> {
 
     fn push(&mut self, line: &[u8], sink: &mut impl LineSink<u32>) -> Result<(), Error> {
         if self.source.push(line)? {
-            self.smooth_line(sink)?;
+            self.smooth_line(sink);
         }
         Ok(())
     }
 
     fn finish(&mut self, sink: &mut impl LineSink<u32>) {
         while self.source.drain() {
-            // The row is as wide as the window it goes to: it can't be refused.
-            let _ = self.smooth_line(sink);
+            self.smooth_line(sink);
         }
         while self.smooth.drain() {
             self.differentiate_line(sink);

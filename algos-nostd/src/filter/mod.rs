@@ -43,6 +43,7 @@
 
 mod neighbourhood;
 mod strips;
+mod sums;
 mod weights;
 mod reciprocal;
 mod normalize;
@@ -66,10 +67,13 @@ pub use channels::Channels;
 pub use convolution::{Convolution, ConvolutionFilter, Separable, SeparableFilter};
 pub use difference::{Difference, Order};
 pub use gaussian::{Gaussian, GaussianFilter};
+pub(crate) use gaussian3::gaussian3_sums;
 pub use gaussian3::{Gaussian3, Gaussian3Filter, gaussian3_row};
+pub(crate) use gaussian5::gaussian5_sums;
 pub use gaussian5::{Gaussian5, Gaussian5Filter, gaussian5_row};
 pub use median3::{Median3, Median3Filter};
 pub use median5::{Median5, Median5Filter};
 pub use morphology::{Mask, Morphology, MorphologyFilter, MorphologyPair, Operation, close, open};
 pub use neighbourhood::{Neighbourhood, RowKernel};
+pub(crate) use sums::Finish;
 pub use unsharp::{Unsharp, UnsharpFilter};

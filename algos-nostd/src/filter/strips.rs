@@ -48,7 +48,7 @@ impl<'r, const ROWS: usize, const STRIP: usize> Strips<'r, ROWS, STRIP> {
 
 /// Copies the pixels of a last strip that is narrower than `STRIP`, which could not be made in place.
 #[inline(always)]
-pub(super) fn copy_narrow<const STRIP: usize>(last: &[u8; STRIP], made: &mut [u8]) {
+pub(super) fn copy_narrow<T: Copy, const STRIP: usize>(last: &[T; STRIP], made: &mut [T]) {
     if made.len() < STRIP {
         made.copy_from_slice(&last[..made.len()]);
     }

@@ -12,9 +12,11 @@
 //!
 //! A whole-frame function is the filter run over the rows: see [`run`]. Filters chain with [`LineFilter::then`].
 //! Filters that look at a pixel's neighbours do it through a [`Window`], which also knows what lies beyond the edge.
+//! `pairs` holds two 16-bit values in a word, for processors without vector units.
 
 mod chain;
 mod window;
+pub(crate) mod pairs;
 
 pub use chain::Then;
 pub use window::{Reach, Window, shifted};
