@@ -7,8 +7,10 @@
 //! | [`profile`] | what the wires of a camera mean, what a frame holds and how fast it comes |
 //! | [`scene`] | what a virtual camera looks at |
 //! | [`sensor`] | a picture becomes pixel clocks |
+//! | [`fault`] | what goes wrong on the way to the pins, put in on purpose |
 //! | [`trace`] | pixel clocks in files: `.camt` and VCD, read and written |
 //! | [`receiver`] | pixel clocks go through block and driver, and frames come out |
+//! | [`diagnosis`] | what is wrong with a trace, where, and what to change |
 //! | [`picture`] | the bytes of a frame become a picture; files in and out |
 //! | [`pipeline`] | the algorithms by name, on a picture |
 //! | [`command`] | the command line |
@@ -17,8 +19,10 @@
 pub mod profile;
 pub mod scene;
 pub mod sensor;
+pub mod fault;
 pub mod trace;
 pub mod receiver;
+pub mod diagnosis;
 pub mod picture;
 pub mod pipeline;
 pub mod command;

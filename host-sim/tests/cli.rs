@@ -247,3 +247,26 @@ fn bad_usage_and_input_exit_with_2_and_one_line_that_says_what_to_do() {
     assert_eq!(status(&usage), 2);
     assert!(!folder.path().join("t.camt").exists(), "nothing half-written");
 }
+
+#[test]
+fn inject_breaks_a_trace_the_same_way_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| host_sim(folder.path(), arguments);
+    run(&["generate", "--scene", "demo", "--profile", "ov7670-qvga-yuv422", "--frames", "2", "-o", "a.camt"]);
+    for name in ["b.camt", "c.camt", "d.vcd"] {
+        let output =
+            run(&["inject", "a.camt", "--fault", "missing-clock", "--seed", "3", "-o", name, "--json"]);
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+        let report = json(&output);
+        assert!(report["faults"][0].as_str().unwrap().starts_with("missing-clock:count="), "{report}");
+    }
+    assert_eq!(crc32(&folder.path().join("b.camt")), crc32(&folder.path().join("c.camt")));
+    assert_ne!(crc32(&folder.path().join("a.camt")), crc32(&folder.path().join("b.camt")));
+    assert_eq!(status(&run(&["replay", "b.camt"])), 1, "its frames are short");
+
+    let error = stderr(&run(&["inject", "a.camt", "--fault", "mising-clock", "-o", "e.camt"]));
+    assert!(error.contains("did you mean `missing-clock`?"), "{error}");
+    let help = run(&["inject", "--fault", "help"]);
+    assert!(String::from_utf8(help.stdout).unwrap().contains("vsync-in-frame"));
+    assert!(!folder.path().join("e.camt").exists());
+}

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `demo` | scene → trace → block → driver → pictures and a table, with nothing attached |
 //! | `generate` | a scene or picture becomes a trace |
+//! | `inject` | a trace with faults put in |
 //! | `replay` | a trace becomes frames |
 //! | `process` | a picture file goes through a pipeline |
 //! | `showcase` | what the demo makes of its first frame |
@@ -12,6 +13,7 @@
 
 mod demo;
 mod generate;
+mod inject;
 mod process;
 mod progress;
 mod replay;
@@ -20,6 +22,7 @@ mod showcase;
 
 pub use demo::Demo;
 pub use generate::Generate;
+pub use inject::Inject;
 pub use process::Process;
 pub use replay::Replay;
 
@@ -41,6 +44,8 @@ pub enum Command {
     Demo(Demo),
     /// Make a timing trace of a scene or a picture file
     Generate(Generate),
+    /// Put faults into a trace; `--fault help` lists them
+    Inject(Inject),
     /// Play a trace into the camera interface and receive its frames
     Replay(Replay),
     /// Run the algorithms of the device on a picture file; `--op help` lists them
@@ -56,6 +61,7 @@ impl Command {
         match self {
             Self::Demo(demo) => demo.run(),
             Self::Generate(generate) => generate.run(),
+            Self::Inject(inject) => inject.run(),
             Self::Replay(replay) => replay.run(),
             Self::Process(process) => process.run(),
         }
