@@ -236,7 +236,7 @@ struct Gradients<'a> {
     magnitudes: &'a mut [u32],
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn sobel_l1(rows: [&[u16]; 3], gradients: Gradients<'_>) {
     let magnitude = |x: i16, y: i16| u32::from(x.unsigned_abs()) + u32::from(y.unsigned_abs());
     if cfg!(feature = "std") {
@@ -246,7 +246,7 @@ fn sobel_l1(rows: [&[u16]; 3], gradients: Gradients<'_>) {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn sobel_l2(rows: [&[u16]; 3], gradients: Gradients<'_>) {
     let magnitude = |x: i16, y: i16| {
         let (x, y) = (i32::from(x), i32::from(y));

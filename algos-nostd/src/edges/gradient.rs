@@ -171,7 +171,7 @@ impl<O: Operator, M: Measure> LineFilter for GradientFilter<'_, O, M> {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn differentiate<O: Operator, M: Measure>(rows: [&[u8]; 3], line: &mut [M::Output]) {
     let width = line.len();
     let [above, centre, below] = rows;

@@ -89,12 +89,12 @@ impl sealed::Rows for Gaussian5 {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn gaussian3(rows: [&[u8]; 3], smooth: &mut [u16]) {
     gaussian3_sums::<Gaussian3>(rows, smooth);
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn gaussian5(rows: [&[u8]; 5], smooth: &mut [u16]) {
     gaussian5_sums::<Gaussian5>(rows, smooth);
 }

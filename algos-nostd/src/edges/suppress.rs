@@ -53,7 +53,7 @@ const WINDOW: usize = PIXELS_A_WORD + 2;
 /// Magnitudes of the line above, this one and the one below.
 type Rows<'a> = [&'a [u32; WINDOW]; 3];
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 pub(super) fn suppress(crest: &Crest<'_>, marks: &mut [Marks]) {
     for (word, marks) in marks.iter_mut().enumerate() {
         *marks = Marks::default();

@@ -139,7 +139,7 @@ impl<S: Smoothing> LineFilter for ZeroCrossings<'_, S> {
 }
 
 /// The eight neighbours less eight times the pixel.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn laplacian(rows: [&[u16]; 3], laplacians: &mut [i32]) {
     let width = laplacians.len();
     let [above, centre, below] = rows;

@@ -142,7 +142,7 @@ impl<const SIZE: usize> Bilateral<'_, SIZE> {
 ///
 /// A vector unit has no integer division, so where there is one the quotient's eight bits are found one by one, by
 /// comparison, many pixels at a time; elsewhere the processor's own division is shorter. The quotients are the same.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn divide(weights: &[u32; STRIP], differences: &[u32; STRIP], centres: &[u8; STRIP], made: &mut [u8; STRIP]) {
     for x in 0..STRIP {
         let difference = differences[x];

@@ -87,14 +87,14 @@ impl<const SIZE: usize> RowKernel<SIZE> for Mean<'_, SIZE> {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn add(columns: &mut [u16], row: &[u8]) {
     for (sum, &pixel) in columns.iter_mut().zip(row) {
         *sum += u16::from(pixel);
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn subtract(columns: &mut [u16], row: &[u8]) {
     for (sum, &pixel) in columns.iter_mut().zip(row) {
         *sum -= u16::from(pixel);

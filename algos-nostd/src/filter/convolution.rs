@@ -65,7 +65,7 @@ impl<const COLUMNS: usize, const LINES: usize> RowKernel<LINES> for Convolution<
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn convolve<const COLUMNS: usize, const LINES: usize>(
     kernel: &Convolution<COLUMNS, LINES>,
     rows: [&[u8]; LINES],
@@ -129,7 +129,7 @@ impl<const COLUMNS: usize, const LINES: usize> RowKernel<LINES> for Separable<CO
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn separate<const COLUMNS: usize, const LINES: usize>(
     kernel: &Separable<COLUMNS, LINES>,
     rows: [&[u8]; LINES],

@@ -74,7 +74,7 @@ impl<const SIZE: usize> RowKernel<SIZE> for Gaussian<SIZE> {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn dispatched<const SIZE: usize>(weights: &[u16; SIZE], rows: [&[u8]; SIZE], made: &mut [u8]) {
     gaussian_row(weights, rows, made);
 }

@@ -36,7 +36,7 @@ impl RowKernel<3> for Gaussian3 {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn dispatched(rows: [&[u8]; 3], made: &mut [u8]) {
     gaussian3_sums::<Level>(rows, made);
 }

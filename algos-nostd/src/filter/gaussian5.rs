@@ -45,7 +45,7 @@ impl RowKernel<5> for Gaussian5 {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn dispatched(rows: [&[u8]; 5], made: &mut [u8]) {
     gaussian5_sums::<Level>(rows, made);
 }

@@ -31,7 +31,7 @@ impl RowKernel<3> for Median3 {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn median3_row(rows: [&[u8]; 3], made: &mut [u8]) {
     let width = made.len();
     let [a, b, c]: [[&[u8]; 3]; 3] = rows.map(|row| shifted(row, width));

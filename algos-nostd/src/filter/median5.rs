@@ -39,7 +39,7 @@ impl RowKernel<5> for Median5 {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn median5_row(rows: [&[u8]; 5], made: &mut [u8]) {
     let mut ranks = [[0; STRIP + 4]; 5];
     sort_columns(rows.map(|row| row.first_chunk::<4>().unwrap_or(&[0; 4])), &mut ranks, 0);

@@ -38,8 +38,8 @@
 //! **Rounding.** Linear filters compute their sum exactly and round once, to nearest, halves up.
 //!
 //! **Lanes.** Rows are worked on in strips of fixed length, in the narrowest integers that hold the exact sum, so that
-//! a compiler finds vector instructions; with the `std` feature AVX2 is chosen when the program runs, where there is
-//! one. The output is the same.
+//! a compiler finds vector instructions; with the `std` feature AVX-512 or AVX2 is chosen when the program runs,
+//! where there is one. The output is the same.
 
 mod neighbourhood;
 mod strips;

@@ -179,7 +179,7 @@ impl Extreme for Greatest {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn extreme<E: Extreme, const COLUMNS: usize, const LINES: usize>(
     mask: &Mask<COLUMNS, LINES>,
     rows: [&[u8]; LINES],

@@ -62,7 +62,7 @@ impl<const SIZE: usize> RowKernel<SIZE> for Unsharp<SIZE> {
     }
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn dispatched<const SIZE: usize>(kernel: &Unsharp<SIZE>, rows: [&[u8]; SIZE], made: &mut [u8]) {
     gaussian_row(kernel.smooth.weights(), rows, made);
     let (amount, threshold) = (kernel.amount, kernel.threshold);

@@ -34,7 +34,7 @@ pub fn encode_line(pixels: &[Rgb], gray: &mut [u8]) -> Result<(), Error> {
     Ok(())
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn weigh(pixels: &[Rgb], gray: &mut [u8]) {
     gray.iter_mut().zip(pixels).for_each(|(gray, &pixel)| *gray = luma(pixel));
 }

@@ -171,7 +171,7 @@ pub fn encode_line(
     Ok(())
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn encode_groups(pixels: &[Rgb], bytes: &mut [u8], packing: Packing, coefficients: Coefficients) {
     let (pairs, _) = pixels.as_chunks::<2>();
     let (groups, _) = bytes.as_chunks_mut::<4>();

@@ -83,7 +83,7 @@ impl Probe {
 }
 
 /// For each colour of the block the index of the nearest probe; of equals, the first.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 pub(super) fn nearest_of_block(probes: &[Probe], block: &Block) -> [u8; BLOCK] {
     let mut best = [i32::MAX; BLOCK];
     for probe in probes {

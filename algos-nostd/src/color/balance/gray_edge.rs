@@ -84,7 +84,7 @@ impl<'a> GrayEdge<'a> {
 }
 
 /// Sums over the shorter of two runs of bytes, channel by channel.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn sum_differences(one: &[u8], other: &[u8], norm: Norm) -> [u64; 3] {
     /// A multiple of 3 and of 32; a column of squares takes at most 65,025 a row.
     const COLUMNS: usize = 96;

@@ -59,7 +59,7 @@ const COLUMNS: usize = 96;
 /// Rows until a column of 16 bits could overflow: 257 × 255 = 65,535.
 const ROWS: usize = 257;
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn sum_bytes(bytes: &[u8]) -> [u64; 3] {
     let mut sums = [0; 3];
     let (rows, rest) = bytes.as_chunks::<COLUMNS>();

@@ -156,7 +156,7 @@ mod blocks {
         }
     }
 
-    #[multiversion::multiversion(targets("x86_64+avx2"))]
+    #[multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2"))]
     fn apply_narrow(rows: [Narrow; 3], bytes: &mut [u8]) {
         each_block(bytes, |row, from, to| {
             let [r, g, b] = from;
@@ -166,7 +166,7 @@ mod blocks {
         });
     }
 
-    #[multiversion::multiversion(targets("x86_64+avx2"))]
+    #[multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2"))]
     fn apply_wide(rows: [[i16; 3]; 3], bytes: &mut [u8]) {
         each_block(bytes, |row, from, to| {
             let [r, g, b] = from;

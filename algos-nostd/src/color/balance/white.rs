@@ -133,7 +133,7 @@ fn scale(value: u8, gain: u16) -> u8 {
     ((sixteenths as u16 + 8) >> 4).min(255) as u8
 }
 
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn scale_bytes(bytes: &mut [u8], gains: [u16; 3]) {
     let mut pattern = [0; PERIOD];
     pattern.iter_mut().zip(gains.iter().cycle()).for_each(|(place, &gain)| *place = gain);

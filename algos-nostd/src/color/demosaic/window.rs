@@ -214,7 +214,7 @@ impl Sites {
 
 /// Fills whole blocks: every place is made both ways and the right one kept, which vector units do several times
 /// faster than one way at a time. Gives the number of pixels filled.
-#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx2")))]
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn fill_blocks<T: Stencil<LINES>, S: Sample, const LINES: usize>(
     sites: Sites,
     lines: [&[S]; LINES],
