@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
+use camif_tests::on_core;
 
 use crate::boards::{self, Image};
 use crate::qemu::{self, Board, End, Run};
@@ -77,8 +78,8 @@ fn select(images: Vec<Image>, wanted: &[String]) -> Result<Vec<Image>> {
 }
 
 fn start(image: &Image, board: Board, watch: &mut dyn FnMut(&str)) -> Result<Run> {
-    let folder = top().join("target/qemu").join(&image.name);
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let folder = top().join("target/qemu").join(board.name()).join(&image.name);
+    on_core::write_inputs(&folder)?;
     qemu::run(board, &image.elf, &folder, DEADLINE, &[], watch)
 }
 

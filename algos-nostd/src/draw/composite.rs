@@ -10,6 +10,9 @@ pub type Rgba = rgb::Rgba<u8>;
 pub struct Premultiplied(Rgba);
 
 impl Premultiplied {
+    /// Nothing to see: no opacity, and no colour.
+    pub const CLEAR: Self = Self(Rgba { r: 0, g: 0, b: 0, a: 0 });
+
     /// Multiplies the colours by alpha, rounded to the nearest.
     #[must_use]
     pub fn from_straight(straight: Rgba) -> Self {

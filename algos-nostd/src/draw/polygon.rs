@@ -29,6 +29,12 @@ pub struct Edge {
     winding: i32,
 }
 
+impl Edge {
+    /// Memory to lend.
+    pub const EMPTY: Self =
+        Self { top: 0, end: 0, x: 0, excess: 0, slope: 0, slope_rest: 0, height: 0, winding: 0 };
+}
+
 /// Sides that polygons with so many corners in all have at most: the length of [`fill_polygon`]'s `edges`.
 #[must_use]
 pub const fn polygon_edges(corners: usize) -> usize {

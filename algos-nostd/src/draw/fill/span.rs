@@ -14,6 +14,11 @@ pub struct PendingRun {
     upwards: bool,
 }
 
+impl PendingRun {
+    /// Memory to lend.
+    pub const EMPTY: Self = Self { y: 0, left: 0, right: 0, upwards: false };
+}
+
 /// Fills the pixels of the seed's colour that are joined to it, run by run. Returns how many were filled.
 ///
 /// ```text

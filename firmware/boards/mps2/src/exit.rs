@@ -3,28 +3,17 @@
 use core::panic::PanicInfo;
 
 use cortex_m_rt::{ExceptionFrame, exception};
-use cortex_m_semihosting::debug::{self, EXIT_FAILURE, EXIT_SUCCESS};
 use defmt_semihosting as _;
+use semihosting::process;
 
 /// All went well.
 pub fn success() -> ! {
-    defmt::flush();
-    debug::exit(EXIT_SUCCESS);
-    halt()
+    process::exit(0)
 }
 
 /// Something did not; the reason has been logged.
 pub fn failure() -> ! {
-    defmt::flush();
-    debug::exit(EXIT_FAILURE);
-    halt()
-}
-
-/// Nothing is left to do if the semihosting host did not end the machine.
-fn halt() -> ! {
-    loop {
-        cortex_m::asm::wfi();
-    }
+    process::exit(1)
 }
 
 #[panic_handler]
