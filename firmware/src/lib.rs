@@ -9,7 +9,7 @@
 //! | [`port`] | the seams between driver and block: registers, and a DMA that owns what it is lent |
 //! | [`buffers`] | who holds which buffer: the frame pool and the line ring |
 //! | [`driver`] | configuration, capture, deadlines, recovery, verdicts |
-//! | [`sensor`] | sensor bring-up: identify, reset, mode tables as data
+//! | [`sensor`] | sensor bring-up: identify, reset, mode tables as data |
 //!
 //! No heap, no clock, no chip's name: boards and hosts bring those.
 #![cfg_attr(not(test), no_std)]

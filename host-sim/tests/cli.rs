@@ -270,3 +270,35 @@ fn inject_breaks_a_trace_the_same_way_again() {
     assert!(String::from_utf8(help.stdout).unwrap().contains("vsync-in-frame"));
     assert!(!folder.path().join("e.camt").exists());
 }
+
+#[test]
+fn a_virtual_sensor_is_brought_up_and_a_wrong_register_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let sensor = ["generate", "--scene", "bars", "--sensor", "ov7670", "--mode", "qvga-rgb565"];
+    let run = |more: &[&str]| host_sim(folder.path(), &[&sensor[..], more].concat());
+    let replayed = |trace: &str, folder_out: &str| {
+        let output = host_sim(folder.path(), &["replay", trace, "--json", "--out", folder_out]);
+        (status(&output), json(&output))
+    };
+    let output = run(&["-o", "good.camt"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let (code, good) = replayed("good.camt", "good");
+    assert_eq!(code, 0);
+    assert_eq!(good["frames"][0]["width"], 320);
+    assert_eq!(good["frames"][0]["verdict"], "good");
+    // RGB555 instead of RGB565: as many bytes, other colours.
+    let output = run(&["--set", "0x40=0xF0", "-o", "555.camt"]);
+    assert!(stderr(&output).contains("the sensor sends rgb555"), "{}", stderr(&output));
+    let (code, wrong) = replayed("555.camt", "wrong");
+    assert_eq!(code, 0);
+    assert_ne!(wrong["frames"][0]["crc32"], good["frames"][0]["crc32"]);
+    // A window that VSTOP closes above VSTRT.
+    let output = run(&["--set", "0x1A=0x01", "-o", "none.camt"]);
+    assert_eq!(status(&output), 2);
+    assert!(stderr(&output).contains("VSTOP is above VSTRT"), "{}", stderr(&output));
+    assert!(!folder.path().join("none.camt").exists());
+    let output =
+        host_sim(folder.path(), &["generate", "--scene", "bars", "--sensor", "ov7760", "-o", "x.camt"]);
+    assert_eq!(status(&output), 2);
+    assert!(stderr(&output).contains("did you mean `ov7670`?"), "{}", stderr(&output));
+}

@@ -2,8 +2,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::bring_up::BringUp;
 use super::report::grouped;
 use super::{Outcome, progress};
+use crate::picture::SizeError;
 use crate::profile::{DEFAULT, Profile};
 use crate::scene::{Scene, Still};
 use crate::sensor::Sensor;
@@ -16,8 +18,10 @@ pub struct Generate {
     #[command(flatten)]
     look: Look,
     /// Built-in profile or TOML file
-    #[arg(long, default_value = DEFAULT)]
+    #[arg(long, default_value = DEFAULT, conflicts_with = "sensor")]
     profile: String,
+    #[command(flatten)]
+    bring_up: BringUp,
     /// Frames to play
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     frames: u64,
@@ -46,17 +50,28 @@ struct Look {
 
 impl Generate {
     pub(super) fn run(&self) -> anyhow::Result<Outcome> {
-        let profile = Profile::find(&self.profile)?;
         let scene = match (&self.look.image, &self.look.scene) {
             (Some(path), _) => Scene::Still(Still::open(path)?),
             (None, name) => Scene::named(name.as_deref().unwrap_or("demo"), self.seed)?,
         };
-        if let Scene::Still(still) = &scene
-            && let Some(note) = still.scaling_note(profile.frame.width, profile.frame.height)
-        {
-            eprintln!("note: {note}");
-        }
-        let created = generate(&profile, &scene, self.frames, &self.output, &mut |_, _| {})?;
+        let (profile, created) = match self.bring_up.run()? {
+            Some(readout) => {
+                let mut frame = |number| Ok(readout.frame_bytes(&scene, number));
+                let profile = readout.profile();
+                let created = write_frames(&profile, self.frames, &self.output, &mut frame, &mut |_, _| {})?;
+                (profile, created)
+            }
+            None => {
+                let profile = Profile::find(&self.profile)?;
+                if let Scene::Still(still) = &scene
+                    && let Some(note) = still.scaling_note(profile.frame.width, profile.frame.height)
+                {
+                    eprintln!("note: {note}");
+                }
+                let created = generate(&profile, &scene, self.frames, &self.output, &mut |_, _| {})?;
+                (profile, created)
+            }
+        };
         if self.json {
             let report = serde_json::json!({
                 "trace": created.path,
@@ -88,6 +103,22 @@ pub(super) fn generate(
     output: &Path,
     on_frame: &mut dyn FnMut(u64, &[u8]),
 ) -> anyhow::Result<Created> {
+    let sensor = Sensor::new(profile.clone())?;
+    let mut frame = |number| {
+        let picture = scene.render(number, profile.frame.width, profile.frame.height);
+        sensor.encode(&picture)
+    };
+    write_frames(profile, frames, output, &mut frame, on_frame)
+}
+
+/// Plays frames of a profile, whose bytes `frame` makes, into a trace file.
+fn write_frames(
+    profile: &Profile,
+    frames: u64,
+    output: &Path,
+    frame: &mut dyn FnMut(u64) -> Result<Vec<u8>, SizeError>,
+    on_frame: &mut dyn FnMut(u64, &[u8]),
+) -> anyhow::Result<Created> {
     let mut sensor = Sensor::new(profile.clone())?;
     let bits = u8::try_from(profile.bus.bits).unwrap_or(8);
     let mut vcd = VcdWriterOptions::new(bits, profile.timing.pclk_hz);
@@ -100,8 +131,7 @@ pub(super) fn generate(
     let mut writer = create(output, &options)?;
     let bar = progress::frames("generate", frames);
     for number in 0..frames {
-        let picture = scene.render(number, profile.frame.width, profile.frame.height);
-        let bytes = sensor.encode(&picture)?;
+        let bytes = frame(number)?;
         sensor.play_frame_bytes(&bytes, &mut writer).map_err(refused)?;
         on_frame(number, &bytes);
         bar.inc(1);

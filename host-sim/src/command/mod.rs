@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `demo` | scene → trace → block → driver → pictures and a table, with nothing attached |
 //! | `generate` | a scene or picture becomes a trace |
+//! | `bring_up` | the driver brings a virtual sensor up, for `generate --sensor` |
 //! | `inject` | a trace with faults put in |
 //! | `replay` | a trace becomes frames |
 //! | `process` | a picture file goes through a pipeline |
@@ -11,6 +12,7 @@
 //! | `report` | what came of a replay, for people and as JSON |
 //! | `progress` | bars on stderr |
 
+mod bring_up;
 mod demo;
 mod generate;
 mod inject;
