@@ -10,6 +10,7 @@
 //! | [`buffers`] | who holds which buffer: the frame pool and the line ring |
 //! | [`driver`] | configuration, capture, deadlines, recovery, verdicts |
 //! | [`sensor`] | sensor bring-up: identify, reset, mode tables as data |
+//! | [`link`] | frames, log and commands over a serial line |
 //!
 //! No heap, no clock, no chip's name: boards and hosts bring those.
 #![cfg_attr(not(test), no_std)]
@@ -20,3 +21,4 @@ pub mod port;
 pub mod buffers;
 pub mod driver;
 pub mod sensor;
+pub mod link;

@@ -449,7 +449,7 @@ def stream_vectors():
     entry("again", whole(packets), [expected(0, one), expected(0, two, (6,))], received=len(packets))
 
     # Lines past the height, pixels past the width, a payload that is no such encoding: not used.
-    bad = [line(0, RGB888, RAW, 41, 12, 0, bytes(120)), line(0, RGB888, RAW, 41, 5, 20, bytes(63)),
+    bad = [line(0, RGB888, RAW, 41, 12, 0, bytes(120)), line(0, RGB888, RAW, 41, 5, 0, bytes(123)),
            line(0, RGB888, QOI, 41, 5, 0, b"\xff"), line(0, RGB888, RUN_LENGTH, 41, 5, 0, b"\x05\1\2\3"),
            line(0, GRAY8, RAW, 41, 5, 0, bytes(40))]
     packets = OPENING + [one.begin(0), *(one.line(0, y) for y in range(12) if y != 5), *bad, one.end(0, verdict=2)]
