@@ -82,6 +82,7 @@ impl Source {
             let wanted = profile.bus.bits;
             return Err(SourceError::BusWidth { path: path.to_owned(), bits, profile: profile.name, wanted });
         }
+        notes.extend(trace.info().clock.iter().flat_map(trace::clock::Clock::notes));
         let mut source = Self { trace, profile, invert: (false, false), notes };
         source.settle_polarity();
         Ok(source)
@@ -108,7 +109,7 @@ impl Source {
     /// A wire whose name says that it is valid when high may contradict the profile; the trace then decides.
     fn settle_polarity(&mut self) {
         let marker = self.profile.bus.sync == SyncMode::Marker;
-        if self.trace.info().format != Format::Vcd || self.profile.bus.sync == SyncMode::Embedded {
+        if self.trace.info().format == Format::Camt || self.profile.bus.sync == SyncMode::Embedded {
             return;
         }
         let Some(matched) = self.trace.info().matched.clone() else { return };

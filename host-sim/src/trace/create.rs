@@ -9,11 +9,16 @@ use std::path::{Path, PathBuf};
 
 use firmware::camif::pins::{Samples, Sync};
 use firmware::trace::{ChunkBuffer, Header, StretchSink, Writer};
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempDir};
 
 use super::camt::{StdIo, fast_crc32};
 use super::error::TraceError;
+use super::saleae::{BinaryWriter, CsvWriter};
+use super::sr::{SrWriter, SrWriterOptions};
 use super::vcd::{VcdWriter, VcdWriterOptions};
+
+/// Samples a pixel clock in a session of sigrok.
+const SAMPLES_PER_CLOCK: u16 = 8;
 
 /// What a trace to be written is to say of itself.
 #[derive(Clone, Debug)]
@@ -50,41 +55,56 @@ pub struct TraceWriter {
 enum Inner {
     Camt(Box<Writer<StdIo<Output>, Box<ChunkBuffer>>>),
     Vcd(Box<VcdWriter<Output>>),
+    Sr(Box<SrWriter<Output>>),
+    Csv(Box<CsvWriter<Output>>),
+    Binary(Box<BinaryWriter>, TempDir),
 }
 
-/// Begins a trace file; its name ends in `.camt` or `.vcd`.
+/// Begins a trace file. Its name ends in `.camt`, `.vcd`, `.sr` (8 samples a clock), `.csv` (as Saleae's `digital.csv`) or
+/// `.saleae` (a folder of Saleae's binary files, which must not exist or be empty).
 ///
 /// # Errors
 /// If the name ends otherwise, the folder cannot be written, or the options have no place in the format.
 pub fn create(path: impl AsRef<Path>, options: &TraceWriterOptions) -> Result<TraceWriter, TraceError> {
     let path = path.as_ref().to_owned();
     let extension = path.extension().map(OsStr::to_ascii_lowercase);
-    let camt = match extension.as_ref().and_then(|extension| extension.to_str()) {
-        Some("camt") => true,
-        Some("vcd") => false,
-        _ => return Err(TraceError::Extension { path }),
-    };
+    let extension = extension.as_ref().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let failed = |error| TraceError::Create { path: path.clone(), error };
+    let saleae = |error| TraceError::WriteSaleae { path: path.clone(), error };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let file = match temporary(folder) {
-        Ok(file) => BufWriter::with_capacity(1 << 18, file),
-        Err(error) => return Err(TraceError::Create { path, error }),
-    };
-    let inner = if camt {
-        let header = Header {
-            bus_bits: options.vcd.bus_bits,
-            vsync_active: options.vsync_active,
-            pclk_hz: options.vcd.pclk_hz,
-        };
-        let buffer = Box::new(ChunkBuffer::new());
-        match Writer::with_checksum(StdIo(file), header, &options.profile, buffer, fast_crc32) {
-            Ok(writer) => Inner::Camt(Box::new(writer)),
-            Err(error) => return Err(TraceError::WriteCamt { path, error }),
+    let output = || Ok(BufWriter::with_capacity(1 << 18, temporary(folder).map_err(failed)?));
+    let vcd = &options.vcd;
+    let inner = match extension {
+        "camt" => {
+            let header =
+                Header { bus_bits: vcd.bus_bits, vsync_active: options.vsync_active, pclk_hz: vcd.pclk_hz };
+            let buffer = Box::new(ChunkBuffer::new());
+            let writer =
+                Writer::with_checksum(StdIo(output()?), header, &options.profile, buffer, fast_crc32);
+            let writer = writer.map_err(|error| TraceError::WriteCamt { path: path.clone(), error })?;
+            Inner::Camt(Box::new(writer))
         }
-    } else {
-        match VcdWriter::new(file, options.vcd.clone()) {
-            Ok(writer) => Inner::Vcd(Box::new(writer)),
-            Err(error) => return Err(TraceError::WriteVcd { path, error }),
+        "vcd" => {
+            let writer = VcdWriter::new(output()?, vcd.clone());
+            Inner::Vcd(Box::new(writer.map_err(|error| TraceError::WriteVcd { path: path.clone(), error })?))
         }
+        "sr" => {
+            let session = SrWriterOptions {
+                bus_bits: vcd.bus_bits,
+                pclk_hz: vcd.pclk_hz,
+                edge: vcd.edge,
+                samples_per_clock: SAMPLES_PER_CLOCK,
+            };
+            let writer = SrWriter::new(output()?, session);
+            Inner::Sr(Box::new(writer.map_err(|error| TraceError::WriteSr { path: path.clone(), error })?))
+        }
+        "csv" => Inner::Csv(Box::new(CsvWriter::new(output()?, vcd).map_err(saleae)?)),
+        "saleae" => {
+            let files = tempfile::Builder::new().prefix(".trace-").tempdir_in(folder).map_err(failed)?;
+            let writer = BinaryWriter::new(files.path(), vcd).map_err(saleae)?;
+            Inner::Binary(Box::new(writer), files)
+        }
+        _ => return Err(TraceError::Extension { path }),
     };
     Ok(TraceWriter { path, inner })
 }
@@ -96,6 +116,16 @@ fn temporary(folder: &Path) -> io::Result<NamedTempFile> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)
+}
+
+/// Gives a folder of files its name, which may be that of an empty folder.
+fn place(files: TempDir, path: &Path) -> io::Result<()> {
+    #[cfg(unix)]
+    std::fs::set_permissions(files.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755))?;
+    std::fs::rename(files.path(), path)?;
+    // The temporary name is gone.
+    let _ = files.keep();
+    Ok(())
 }
 
 impl TraceWriter {
@@ -114,6 +144,24 @@ impl TraceWriter {
                 Ok((output, clocks)) => (output, clocks),
                 Err(error) => return Err(TraceError::WriteVcd { path, error }),
             },
+            Inner::Sr(writer) => match writer.finish() {
+                Ok((output, clocks)) => (output, clocks),
+                Err(error) => return Err(TraceError::WriteSr { path, error }),
+            },
+            Inner::Csv(writer) => match writer.finish() {
+                Ok((output, clocks)) => (output, clocks),
+                Err(error) => return Err(TraceError::WriteSaleae { path, error }),
+            },
+            Inner::Binary(writer, files) => {
+                let (clocks, bytes) = match writer.finish() {
+                    Ok(totals) => totals,
+                    Err(error) => return Err(TraceError::WriteSaleae { path, error }),
+                };
+                return match place(files, &path) {
+                    Ok(()) => Ok(Created { path, clocks, bytes }),
+                    Err(error) => Err(TraceError::Create { path, error }),
+                };
+            }
         };
         let renamed = output.into_inner().map_err(io::IntoInnerError::into_error).and_then(|file| {
             let bytes = file.as_file().metadata()?.len();
@@ -138,6 +186,15 @@ impl StretchSink for TraceWriter {
             Inner::Vcd(writer) => writer
                 .stretch(sync, samples)
                 .map_err(|error| TraceError::WriteVcd { path: self.path.clone(), error }),
+            Inner::Sr(writer) => writer
+                .stretch(sync, samples)
+                .map_err(|error| TraceError::WriteSr { path: self.path.clone(), error }),
+            Inner::Csv(writer) => writer
+                .stretch(sync, samples)
+                .map_err(|error| TraceError::WriteSaleae { path: self.path.clone(), error }),
+            Inner::Binary(writer, _) => writer
+                .stretch(sync, samples)
+                .map_err(|error| TraceError::WriteSaleae { path: self.path.clone(), error }),
         }
     }
 }

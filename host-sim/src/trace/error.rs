@@ -3,7 +3,11 @@
 use std::io;
 use std::path::PathBuf;
 
+use super::clock::ClockError;
+use super::saleae::{SaleaeError, SaleaeWriteError};
+use super::sr::{SrError, SrWriteError};
 use super::vcd::{VcdError, VcdWriteError};
+use super::wiring::WiringError;
 
 /// Why a trace could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -19,8 +23,8 @@ pub enum TraceError {
     },
     /// The file is none of the formats.
     #[error(
-        "{}: neither a .camt trace (begins with CAMT) nor a value change dump (begins with a $ keyword); \
-         give a trace, or use --image for a picture",
+        "{}: neither a .camt trace (begins with CAMT) nor a value change dump (a $ keyword), a sigrok session (ZIP), \
+         a Saleae export (Time [s], … or <SALEAE>) or an FST; give a trace, or use --image for a picture",
         .path.display()
     )]
     Unknown {
@@ -43,8 +47,48 @@ pub enum TraceError {
         /// What and where.
         error: VcdError,
     },
+    /// A sigrok session is damaged.
+    #[error("{}: {error}", .path.display())]
+    Sr {
+        /// The file.
+        path: PathBuf,
+        /// What and where.
+        error: SrError,
+    },
+    /// An export of Saleae Logic 2 is damaged.
+    #[error("{}: {error}", .path.display())]
+    Saleae {
+        /// The file or folder.
+        path: PathBuf,
+        /// What and where.
+        error: SaleaeError,
+    },
+    /// The wires are not found among the signals.
+    #[error("{}: {error}", .path.display())]
+    Wiring {
+        /// The file.
+        path: PathBuf,
+        /// Which, and what there is.
+        error: WiringError,
+    },
+    /// The clock cannot be recovered.
+    #[error("{}: {error}", .path.display())]
+    Clock {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: ClockError,
+    },
+    /// Channels that there are not, or too many.
+    #[error("{}: the file has channels 0 to {}; ask for at most 63 of them at a time", .path.display(), .has.saturating_sub(1))]
+    Channels {
+        /// The file.
+        path: PathBuf,
+        /// Channels that it has.
+        has: usize,
+    },
     /// The trace has no such frame, or no index to find it by.
-    #[error("{}: a VCD has no index to jump to frame {mark}; convert it to .camt first", .path.display())]
+    #[error("{}: it has no index to jump to frame {mark}; convert it to .camt first", .path.display())]
     NoIndex {
         /// The file.
         path: PathBuf,
@@ -52,7 +96,7 @@ pub enum TraceError {
         mark: u64,
     },
     /// The name says no format.
-    #[error("{}: a trace to be written must end in .camt or .vcd", .path.display())]
+    #[error("{}: a trace to be written must end in .camt, .vcd, .sr, .csv, or .saleae for a folder of binary files", .path.display())]
     Extension {
         /// The file.
         path: PathBuf,
@@ -80,5 +124,21 @@ pub enum TraceError {
         path: PathBuf,
         /// What.
         error: VcdWriteError,
+    },
+    /// A sigrok session cannot be written.
+    #[error("{}: {error}", .path.display())]
+    WriteSr {
+        /// The file.
+        path: PathBuf,
+        /// What.
+        error: SrWriteError,
+    },
+    /// A Saleae export cannot be written.
+    #[error("{}: {error}", .path.display())]
+    WriteSaleae {
+        /// The file or folder.
+        path: PathBuf,
+        /// What.
+        error: SaleaeWriteError,
     },
 }

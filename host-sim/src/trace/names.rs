@@ -203,6 +203,22 @@ impl SignalMap {
         Ok(Self { entries })
     }
 
+    /// A map of these wires to the signals beside them.
+    ///
+    /// # Errors
+    /// [`MapError::Twice`].
+    pub fn of(wires: impl IntoIterator<Item = (Role, String)>) -> Result<Self, MapError> {
+        let mut entries: Vec<Entry> = Vec::new();
+        for (role, signal) in wires {
+            if entries.iter().any(|entry| entry.role == role) {
+                return Err(MapError::Twice(role));
+            }
+            let rank = ALIASES.iter().position(|alias| alias.role == role).unwrap_or_default();
+            entries.push(Entry { role, rank, signal });
+        }
+        Ok(Self { entries })
+    }
+
     pub(super) fn get(&self, role: Role) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.role == role)
     }

@@ -1,26 +1,28 @@
 //! A trace file of any format.
 //!
-//! The format is told by the first bytes: `CAMT`, or a `$` keyword (or sigrok's `META` line) for a value change dump. Playing opens the file anew, so a
-//! trace can be played often. Memory does not depend on the file's length.
+//! A `.camt` holds pixel clocks, and a simulator's dump exact times: they have ways of their own. All others are captures of an
+//! analyser, whose samples know nothing of the pixel clock: their beginning is surveyed first ([`clock`](super::clock)), then the states at the
+//! edges make the stretches. Playing opens the file anew, so a trace can be played often. Memory does not depend on the file's length.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::io::{self, BufReader};
+use std::path::Path;
 
 use firmware::trace::{ChunkBuffer, Item, Reader, StretchSink};
 
 use super::camt::{StdIo, fast_crc32};
+use super::capture::Capture;
+use super::clock::{Clock, Finder, Known, Survey};
+use super::edges::{Sampler, wires};
 use super::error::TraceError;
 use super::vcd::VcdReader;
-use super::wiring::Matched;
+use super::wiring::{Matched, Tap, wire};
 use super::{CaptureOptions, PlayError};
 
 /// Bytes read from a `.camt` file at a time.
 const READ_AHEAD: usize = 1 << 18;
 /// Bytes of a `.camt` played between two calls of `progress`.
 const PROGRESS: u64 = 1 << 20;
-/// Bytes at the start of a file in which the format shows.
-const SNIFFED: u64 = 4096;
 
 /// Formats that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,21 +31,43 @@ pub enum Format {
     Camt,
     /// Value change dump.
     Vcd,
+    /// sigrok session.
+    Sr,
+    /// Saleae's `digital.csv`.
+    SaleaeCsv,
+    /// Saleae's binary files.
+    SaleaeBinary,
+}
+
+impl Format {
+    /// Its name, in a word or two.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Camt => "camt",
+            Self::Vcd => "VCD",
+            Self::Sr => "sigrok session",
+            Self::SaleaeCsv => "Saleae CSV",
+            Self::SaleaeBinary => "Saleae binary",
+        }
+    }
 }
 
 /// What a trace says of itself.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TraceInfo {
     /// The format.
     pub format: Format,
     /// Width of the data bus: 8, 10, 12 or 14.
     pub bus_bits: u8,
-    /// Pixel clock in hertz: declared in a `.camt`, measured at the beginning of a VCD; `None` if unknown.
+    /// Pixel clock in hertz: declared in a `.camt`, else measured at the beginning; `None` if unknown.
     pub pclk_hz: Option<u32>,
     /// TOML text of the profile that the trace was made with, if it carries one.
     pub profile: Option<String>,
     /// Which signals were taken for which wires, in a format that has names.
     pub matched: Option<Matched>,
+    /// The clock as it was recovered from an analyser's samples.
+    pub clock: Option<Clock>,
     /// Bytes of the file: what `progress` counts up to.
     pub file_bytes: u64,
 }
@@ -55,53 +79,43 @@ pub struct Played {
     pub clocks: u64,
     /// Unknown values (x, z) of wires, which were read as 0.
     pub unknown: u64,
+    /// Pulses of the clock that were too short and dropped, in an analyser's samples.
+    pub dropped_pulses: u64,
 }
 
 /// A trace file that can be played.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    path: PathBuf,
+    capture: Capture,
     options: CaptureOptions,
+    /// The bits of the state that each wire sets, where the clock is recovered.
+    wires: Vec<(Tap, u64)>,
     info: TraceInfo,
 }
 
 /// Opens a trace and reads what it says of itself.
 ///
 /// # Errors
-/// If the file cannot be read, is none of the formats, is malformed at its beginning, or lacks a wire.
+/// If the file cannot be read, is none of the formats, is malformed at its beginning, or lacks a wire; if an analyser's samples are too few to recover
+/// the clock from.
 pub fn open(path: impl AsRef<Path>, options: &CaptureOptions) -> Result<Trace, TraceError> {
-    let path = path.as_ref();
-    let io_error = |error| TraceError::Open { path: path.to_owned(), error };
-    let file = File::open(path).map_err(io_error)?;
-    let metadata = file.metadata().map_err(io_error)?;
-    if metadata.is_dir() {
-        return Err(io_error(io::ErrorKind::IsADirectory.into()));
-    }
-    let mut head = Vec::new();
-    file.take(SNIFFED).read_to_end(&mut head).map_err(io_error)?;
-    let format = sniff(&head).ok_or_else(|| TraceError::Unknown { path: path.to_owned() })?;
+    let capture = Capture::open(path)?;
     let info = TraceInfo {
-        format,
+        format: capture.format(),
         bus_bits: 0,
         pclk_hz: None,
         profile: None,
         matched: None,
-        file_bytes: metadata.len(),
+        clock: None,
+        file_bytes: capture.file_bytes(),
     };
-    let mut trace = Trace { path: path.to_owned(), options: options.clone(), info };
-    match format {
+    let mut trace = Trace { capture, options: options.clone(), wires: Vec::new(), info };
+    match trace.info.format {
         Format::Camt => trace.read_camt_info()?,
-        Format::Vcd => trace.read_vcd_info()?,
+        Format::Vcd if !trace.capture.is_sampled() => trace.read_vcd_info()?,
+        _ => trace.recover_clock()?,
     }
     Ok(trace)
-}
-
-fn sniff(head: &[u8]) -> Option<Format> {
-    if head.starts_with(b"CAMT") {
-        return Some(Format::Camt);
-    }
-    let text = head.trim_ascii_start();
-    (text.starts_with(b"$") || text.starts_with(b"META ")).then_some(Format::Vcd)
 }
 
 impl Trace {
@@ -114,7 +128,13 @@ impl Trace {
     /// The file.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.path
+        self.capture.path()
+    }
+
+    /// The same file at the level of its signals.
+    #[must_use]
+    pub fn capture(&self) -> &Capture {
+        &self.capture
     }
 
     /// Plays the whole trace into `sink`; `progress` gets the bytes of the file that are done.
@@ -128,13 +148,12 @@ impl Trace {
     ) -> Result<Played, PlayError<TraceError, S::Error>> {
         match self.info.format {
             Format::Camt => self.play_camt(None, sink, progress),
-            Format::Vcd => {
+            _ if let Some(clock) = &self.info.clock => self.play_recovered(clock, sink, progress),
+            _ => {
                 let reader = self.vcd().map_err(PlayError::Trace)?;
-                let played = reader.play(sink, progress).map_err(|error| match error {
-                    PlayError::Trace(error) => PlayError::Trace(self.vcd_error(error)),
-                    PlayError::Sink(error) => PlayError::Sink(error),
-                })?;
-                Ok(Played { clocks: played.clocks, unknown: played.unknown })
+                let played = reader.play(sink, progress);
+                let played = played.map_err(|error| error.map(|error| self.vcd_error(error)))?;
+                Ok(Played { clocks: played.clocks, unknown: played.unknown, dropped_pulses: 0 })
             }
         }
     }
@@ -142,7 +161,7 @@ impl Trace {
     /// Plays from a mark on: mark 0 is the first clock, the others are where VSYNC goes to its active level.
     ///
     /// # Errors
-    /// As [`play`](Self::play), and if the trace has no such mark or, as a VCD, no index.
+    /// As [`play`](Self::play), and if the trace has no such mark or, in any format but `.camt`, no index.
     pub fn play_from<S: StretchSink>(
         &self,
         mark: u64,
@@ -151,8 +170,28 @@ impl Trace {
     ) -> Result<Played, PlayError<TraceError, S::Error>> {
         match self.info.format {
             Format::Camt => self.play_camt(Some(mark), sink, progress),
-            Format::Vcd => Err(PlayError::Trace(TraceError::NoIndex { path: self.path.clone(), mark })),
+            _ => {
+                let path = self.path().to_owned();
+                Err(PlayError::Trace(TraceError::NoIndex { path, mark }))
+            }
         }
+    }
+
+    fn play_recovered<S: StretchSink>(
+        &self,
+        clock: &Clock,
+        sink: &mut S,
+        progress: &mut dyn FnMut(u64),
+    ) -> Result<Played, PlayError<TraceError, S::Error>> {
+        let mut sampler = Sampler::new(sink, self.info.bus_bits == 8);
+        let mut finder = Finder::new(clock.plan(), &mut sampler);
+        let played = self.capture.play_wires(&self.wires, &mut finder, progress);
+        let (finished, dropped_pulses) = (finder.finish(), finder.dropped);
+        // Samples before an error are good.
+        let flushed = sampler.flush();
+        let played = played?;
+        finished.and(flushed).map_err(PlayError::Sink)?;
+        Ok(Played { clocks: sampler.edges, unknown: played.unknown, dropped_pulses })
     }
 
     fn play_camt<S: StretchSink>(
@@ -183,7 +222,7 @@ impl Trace {
             }
         }
         progress(reader.position());
-        Ok(Played { clocks: reader.clock() - first, unknown: 0 })
+        Ok(Played { clocks: reader.clock() - first, ..Played::default() })
     }
 
     /// Header and profile, which stand before the first stretch.
@@ -211,25 +250,54 @@ impl Trace {
         Ok(())
     }
 
+    /// Finds the wires among the signals, and the clock in the beginning of the capture.
+    fn recover_clock(&mut self) -> Result<(), TraceError> {
+        let path = || self.path().to_owned();
+        let capture = &self.capture;
+        let wiring = wire(capture.signals(), &self.options.wanted)
+            .map_err(|error| TraceError::Wiring { path: path(), error })?;
+        let wires = wires(&wiring);
+        let mut survey = Survey::default();
+        match capture.play_wires(&wires, &mut survey, &mut |_| ()) {
+            Err(PlayError::Trace(error)) => return Err(error),
+            Ok(_) | Err(PlayError::Sink(_)) => {}
+        }
+        let known = Known {
+            ticks_per_second: capture.ticks_per_second(),
+            sample_rate: capture.sample_rate(),
+            sampled: capture.is_sampled(),
+            edge: self.options.edge,
+            shortest: self.options.shortest_pulse,
+        };
+        let clock = Clock::choose(&survey, known, &wiring.matched.pclk)
+            .map_err(|error| TraceError::Clock { path: path(), error })?;
+        self.info.bus_bits = wiring.data.len() as u8;
+        self.info.pclk_hz = clock.hertz.map(|hertz| hertz.round() as u32);
+        self.info.matched = Some(wiring.matched);
+        self.info.clock = Some(clock);
+        self.wires = wires;
+        Ok(())
+    }
+
     fn vcd(&self) -> Result<VcdReader<File>, TraceError> {
-        let file = File::open(&self.path).map_err(|error| self.open_error(error))?;
+        let file = File::open(self.path()).map_err(|error| self.open_error(error))?;
         VcdReader::new(file, &self.options).map_err(|error| self.vcd_error(error))
     }
 
     fn file(&self) -> Result<BufReader<File>, TraceError> {
-        let file = File::open(&self.path).map_err(|error| self.open_error(error))?;
+        let file = File::open(self.path()).map_err(|error| self.open_error(error))?;
         Ok(BufReader::with_capacity(READ_AHEAD, file))
     }
 
     fn open_error(&self, error: io::Error) -> TraceError {
-        TraceError::Open { path: self.path.clone(), error }
+        TraceError::Open { path: self.path().to_owned(), error }
     }
 
     fn camt_error(&self, error: firmware::trace::Error<io::Error>) -> TraceError {
-        TraceError::Camt { path: self.path.clone(), error }
+        TraceError::Camt { path: self.path().to_owned(), error }
     }
 
     fn vcd_error(&self, error: super::vcd::VcdError) -> TraceError {
-        TraceError::Vcd { path: self.path.clone(), error }
+        TraceError::Vcd { path: self.path().to_owned(), error }
     }
 }

@@ -130,7 +130,7 @@ impl Signal {
         }
     }
 
-    fn tap_name(&self, bit: u32) -> String {
+    pub(super) fn tap_name(&self, bit: u32) -> String {
         let label = self.label();
         if self.width == 1 { label } else { format!("{label}[{bit}]") }
     }
@@ -202,7 +202,18 @@ pub(super) fn find(signals: &[Signal], name: &str) -> Option<usize> {
         .iter()
         .enumerate()
         .filter_map(|(index, signal)| Some((signal.fits(&signal.label(), name)?, signal.depth(), index)));
-    fitting.min().map(|(_, _, index)| index)
+    fitting.min().map(|(_, _, index)| index).or_else(|| numbered(signals, name))
+}
+
+/// The channel of an analyser by its number: `CH3` is also `Channel 3`, `digital_3` or `3`.
+fn numbered(signals: &[Signal], name: &str) -> Option<usize> {
+    let number = |name: &str| {
+        let lower = name.to_ascii_lowercase();
+        let bases = ["channel ", "channel", "digital_", "ch", ""];
+        bases.into_iter().find_map(|base| lower.strip_prefix(base)?.parse::<u32>().ok())
+    };
+    let wanted = number(name)?;
+    signals.iter().position(|signal| number(&signal.name) == Some(wanted))
 }
 
 pub(super) fn unknown(signals: &[Signal], role: Role, name: &str) -> MapError {

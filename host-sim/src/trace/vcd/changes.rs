@@ -21,9 +21,10 @@
 //! Runs of common changes go through a loop of their own ([`common`](super::common)); what stops it is taken one token at a time
 //! ([`rare`]), which knows everything and says what is wrong.
 
+use super::super::edges::{EdgeSink, PCLK, WIRES};
 use super::blocks::TAIL;
 use super::error::Problem;
-use super::ids::{IdTable, PCLK, WIRES};
+use super::ids::IdTable;
 use super::rare;
 use super::stamp::Guess;
 
@@ -35,12 +36,6 @@ pub enum SamplePoint {
     AtEdge,
     /// Before them: registers that launch data by the active edge.
     BeforeEdge,
-}
-
-/// Takes the state of the wires at every active edge of the clock.
-pub(super) trait EdgeSink {
-    type Error;
-    fn edge(&mut self, state: u32, time: u64) -> Result<(), Self::Error>;
 }
 
 /// In which section of the changes the parser is.
@@ -60,18 +55,18 @@ pub(super) enum Section {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Machine {
     /// The wires now.
-    pub(super) state: u32,
+    pub(super) state: u64,
     /// The wires at the end of the time stamp before.
-    pub(super) settled: u32,
+    pub(super) settled: u64,
     pub(super) time: u64,
     /// Unknown values on wires.
     pub(super) unknown: u64,
     pub(super) section: Section,
     /// PCLK if it idles high, as with a falling active edge; else 0.
-    pub(super) idle: u32,
+    pub(super) idle: u64,
     point: SamplePoint,
     /// State and time of a `$dumpvars` that may turn out to be the first sample.
-    pub(super) first: Option<(u32, u64)>,
+    pub(super) first: Option<(u64, u64)>,
     /// What the next time stamp is likely to look like.
     pub(super) guess: Guess,
 }
@@ -149,6 +144,9 @@ impl Machine {
     /// The time stamp ends: takes a sample if it had an active edge.
     #[inline(always)]
     pub(super) fn close<S: EdgeSink>(&mut self, sink: &mut S) -> Result<(), S::Error> {
+        if S::EVERY {
+            return sink.edge(self.state, self.time);
+        }
         if self.first.is_some() {
             self.look_at_first(sink)?;
         }

@@ -17,7 +17,8 @@
 //! identifiers are of several lengths, there is nothing to predict: their ends are then computed, which takes as long every time
 //! but less than a wrong prediction. Left is one wrong prediction per clock, if nobody can tell how many wires change.
 
-use super::changes::{EdgeSink, Machine};
+use super::super::edges::EdgeSink;
+use super::changes::Machine;
 use super::ids::{IdTable, VECTOR};
 use super::scan::{Window, binary, bit_count, blanks, is_blank, load, word};
 use super::stamp::Guess;
@@ -60,7 +61,7 @@ impl Machine {
             let word = word(window, 0);
             let first = word as u8;
             if first & 0xFE == b'0' {
-                let value = (u32::from(first) & 1).wrapping_neg();
+                let value = (u64::from(first) & 1).wrapping_neg();
                 if !MIXED && is_blank((word >> 16) as u8) {
                     let Some(mask) = ids.short((word >> 8) as u8 as u16) else { break };
                     now.set(mask, value);
@@ -116,7 +117,7 @@ impl Machine {
 
     /// Sets the wires of `mask` to `value`, which is all ones or none.
     #[inline(always)]
-    fn set(&mut self, mask: u32, value: u32) {
+    fn set(&mut self, mask: u64, value: u64) {
         self.state ^= (self.state ^ value) & mask;
     }
 }
@@ -124,7 +125,7 @@ impl Machine {
 /// A vector of up to 16 known bits with an identifier of up to six characters: the bits of the state, their mask, and the
 /// bytes that it takes.
 #[inline(always)]
-fn short_vector(window: &Window, ids: &IdTable) -> Option<(u32, u32, usize)> {
+fn short_vector(window: &Window, ids: &IdTable) -> Option<(u64, u64, usize)> {
     let digits = word(window, 1);
     let mut count = bit_count(digits);
     if count == 0 {

@@ -11,6 +11,7 @@
 
 use std::io::{self, Read};
 
+use super::super::sr::size;
 use super::super::wiring::Signal;
 use super::blocks::Blocks;
 use super::error::Problem;
@@ -36,6 +37,10 @@ pub(super) struct Declarations {
     pub(super) ids: Vec<(Box<[u8]>, Kind)>,
     /// Femtoseconds of a unit of time, if said.
     pub(super) timescale_fs: Option<u64>,
+    /// Samples a second, if sigrok says.
+    pub(super) sample_rate: Option<u64>,
+    /// Written by sigrok: the samples of an analyser.
+    pub(super) sampled: bool,
     scope: Vec<String>,
     bytes: usize,
 }
@@ -53,6 +58,7 @@ pub(super) fn read<R: Read>(blocks: &mut Blocks<R>) -> io::Result<Result<Declara
             Err(problem) => return Ok(Err(problem)),
         };
         if *preamble.get_or_insert(keyword == "META") && !keyword.starts_with('$') {
+            found.sample_rate = found.sample_rate.or_else(|| keyword.parse().ok());
             continue;
         }
         preamble = Some(false);
@@ -62,6 +68,8 @@ pub(super) fn read<R: Read>(blocks: &mut Blocks<R>) -> io::Result<Result<Declara
         let wanted = match keyword.as_str() {
             "$var" | "$scope" => 64,
             "$timescale" => 4,
+            // `Acquisition with 11/11 channels at 96 MHz`
+            "$comment" | "$version" => 16,
             _ => 0,
         };
         words.clear();
@@ -81,6 +89,14 @@ pub(super) fn read<R: Read>(blocks: &mut Blocks<R>) -> io::Result<Result<Declara
             "$scope" => found.enter(&words),
             "$upscope" => found.scope.pop().map(|_| ()).ok_or(Problem::Scopes),
             "$timescale" => found.timescale(&words),
+            "$comment" => {
+                found.acquisition(&words);
+                Ok(())
+            }
+            "$version" => {
+                found.sampled |= words.iter().any(|word| word.to_ascii_lowercase().contains("sigrok"));
+                Ok(())
+            }
             "$enddefinitions" => return Ok(Ok(found)),
             "$dumpvars" | "$dumpall" | "$dumpon" | "$dumpoff" => Err(Problem::NoDefinitions),
             _ => Ok(()),
@@ -148,6 +164,17 @@ impl Declarations {
             return Err(Problem::Scopes);
         }
         Ok(())
+    }
+
+    /// `Acquisition with 11/11 channels at 96 MHz`, as libsigrok and PulseView write it.
+    fn acquisition(&mut self, words: &[String]) {
+        if words.first().is_some_and(|word| word == "Acquisition")
+            && let Some(at) = words.iter().rposition(|word| word == "at")
+        {
+            self.sampled = true;
+            let rate = words.get(at + 1..).unwrap_or_default().join(" ");
+            self.sample_rate = size(&rate).filter(|&rate| rate > 0).or(self.sample_rate);
+        }
     }
 
     fn timescale(&mut self, words: &[String]) -> Result<(), Problem> {
@@ -241,6 +268,12 @@ mod tests {
         assert_eq!(labels, expected);
         assert_eq!(found.signals[2].range, Some((11, 8)));
         assert_eq!(found.timescale_fs, Some(100_000));
+        assert_eq!((found.sample_rate, found.sampled), (None, false));
+        let sigrok = "META samplerate: 96000000 $version libsigrok 0.5.2 $end $enddefinitions $end";
+        assert_eq!(declared(sigrok).unwrap().sample_rate, Some(96_000_000));
+        let pulse_view = "$comment Acquisition with 11/11 channels at 1.5 MHz $end $enddefinitions $end";
+        let found_there = declared(pulse_view).unwrap();
+        assert_eq!((found_there.sample_rate, found_there.sampled), (Some(1_500_000), true));
         assert_eq!(&*found.ids[4].0, b"%&");
     }
 

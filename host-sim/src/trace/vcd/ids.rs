@@ -1,7 +1,7 @@
 //! From identifier to wire.
 //!
 //! ```text
-//! state   │ 18 PCLK │ 17 VSYNC │ 16 HSYNC │ 13 … 0 data │        one word holds all wires
+//! state   │ 18 PCLK │ 17 VSYNC │ 16 HSYNC │ 13 … 0 data │        one word holds all wires, here of a camera bus
 //! "%&"    ─► key 0x2625 ─► × odd constant ─► slot ─► mask of the state's bits that it sets
 //! ```
 //!
@@ -12,18 +12,12 @@
 
 use std::collections::HashMap;
 
-use super::super::wiring::{Tap, Wiring};
+use super::super::wiring::Tap;
 use super::error::Problem;
 use super::header::{Declarations, Kind, shortened};
 
-/// Bits of the state.
-pub(super) const DATA: u32 = 0x3FFF;
-pub(super) const HSYNC: u32 = 1 << 16;
-pub(super) const VSYNC: u32 = 1 << 17;
-pub(super) const PCLK: u32 = 1 << 18;
-pub(super) const WIRES: u32 = DATA | HSYNC | VSYNC | PCLK;
 /// A bit that stands for all signals that are no wires. It may change at any time and nobody looks at it.
-const OTHERS: u32 = 1 << 31;
+const OTHERS: u64 = 1 << 63;
 
 /// Characters of an identifier that fit a key.
 const KEY_CHARACTERS: usize = 7;
@@ -39,7 +33,7 @@ const NONE: u32 = u32::MAX;
 pub(super) struct Entry {
     pub(super) key: u64,
     /// Bits of the state that a scalar sets, 0 if it is no wire. Of a vector: its width, 0 if it is no bits at all.
-    pub(super) mask: u32,
+    pub(super) mask: u64,
     vector: u32,
 }
 
@@ -50,21 +44,21 @@ impl Entry {
 
     /// Declared bits; 0 for numbers and text.
     pub(super) fn width(&self) -> u32 {
-        if self.is_scalar() { 1 } else { self.mask }
+        if self.is_scalar() { 1 } else { self.mask as u32 }
     }
 }
 
 /// Bits of a vector, and the bits of the state that each of them sets.
-type Taps = Vec<(u32, u32)>;
+type Taps = Vec<(u32, u64)>;
 
 /// A wanted vector.
 #[derive(Clone, Debug)]
 pub(super) struct Vector {
     /// Bits of the vector from `shift` on, as many as are in `mask`, are the lowest bits of the state.
-    straight: Option<(u32, u32)>,
+    straight: Option<(u32, u64)>,
     taps: Taps,
     /// All bits of the state that it sets.
-    pub(super) mask: u32,
+    pub(super) mask: u64,
 }
 
 impl Vector {
@@ -78,15 +72,15 @@ impl Vector {
     }
 
     /// Bits of the vector, lowest first, and the bits of the state that each sets.
-    pub(super) fn taps(&self) -> &[(u32, u32)] {
+    pub(super) fn taps(&self) -> &[(u32, u64)] {
         &self.taps
     }
 
     /// The state's bits for a value of the vector.
     #[inline]
-    pub(super) fn bits(&self, value: u64) -> u32 {
+    pub(super) fn bits(&self, value: u64) -> u64 {
         match self.straight {
-            Some((shift, mask)) => (value >> shift) as u32 & mask,
+            Some((shift, mask)) => value >> shift & mask,
             None => self
                 .taps
                 .iter()
@@ -100,7 +94,7 @@ impl Vector {
 #[derive(Debug)]
 pub(super) struct IdTable {
     /// What scalars with identifiers of one or two characters set; 0 if there is none. See [`IdTable::short`].
-    short: Box<[u32; 1 << 16]>,
+    short: Box<[u64; 1 << 16]>,
     slots: Box<[Entry]>,
     multiplier: u64,
     long: HashMap<Box<[u8]>, Entry>,
@@ -119,7 +113,20 @@ fn key(id: &[u8]) -> Option<u64> {
 }
 
 impl IdTable {
-    pub(super) fn new(declared: &Declarations, wiring: &Wiring) -> Result<Self, Problem> {
+    /// A table that knows no identifier.
+    pub(super) fn empty() -> Self {
+        Self {
+            short: no_short(),
+            slots: vec![Entry { key: EMPTY, mask: 0, vector: NONE }; slots_for(0)].into(),
+            multiplier: 1,
+            long: HashMap::new(),
+            mixed_lengths: false,
+            vectors: Vec::new(),
+        }
+    }
+
+    /// The table in which a change of a tap sets the bits of the state that stand beside it.
+    pub(super) fn new(declared: &Declarations, wires: &[(Tap, u64)]) -> Result<Self, Problem> {
         let mut kinds: HashMap<&[u8], (Kind, Taps)> = HashMap::new();
         for (id, kind) in &declared.ids {
             let (known, _) = kinds.entry(id).or_insert((*kind, Vec::new()));
@@ -127,11 +134,7 @@ impl IdTable {
                 return Err(Problem::WidthConflict(shortened(&String::from_utf8_lossy(id))));
             }
         }
-        let mut wires: Vec<(Tap, u32)> = vec![(wiring.pclk, PCLK)];
-        wires.extend(wiring.hsync.map(|tap| (tap, HSYNC)));
-        wires.extend(wiring.vsync.map(|tap| (tap, VSYNC)));
-        wires.extend(wiring.data.iter().enumerate().map(|(line, &tap)| (tap, 1 << line & DATA)));
-        for (tap, state_bit) in wires {
+        for &(tap, state_bit) in wires {
             let taps = declared.ids.get(tap.signal).and_then(|(id, _)| kinds.get_mut(&**id));
             if let Some((_, taps)) = taps {
                 // One wire may have two roles.
@@ -141,14 +144,8 @@ impl IdTable {
                 }
             }
         }
-        let mut table = Self {
-            short: no_short(),
-            slots: vec![Entry { key: EMPTY, mask: 0, vector: NONE }; slots_for(kinds.len())].into(),
-            multiplier: 0,
-            long: HashMap::new(),
-            mixed_lengths: false,
-            vectors: Vec::new(),
-        };
+        let mut table = Self::empty();
+        table.slots = vec![Entry { key: EMPTY, mask: 0, vector: NONE }; slots_for(kinds.len())].into();
         let mut wanted = Vec::new();
         let mut others = Vec::new();
         for (id, (kind, taps)) in kinds {
@@ -164,7 +161,7 @@ impl IdTable {
                 }
                 Kind::Bits(width) => {
                     entry.key |= VECTOR;
-                    entry.mask = width;
+                    entry.mask = u64::from(width);
                     if is_wire {
                         entry.vector = table.vectors.len() as u32;
                         table.vectors.push(Vector::new(taps));
@@ -217,7 +214,7 @@ impl IdTable {
     /// The bits of the state that a scalar sets whose identifier has one character, or two with the first in the lower
     /// byte. `None` if no scalar is called so.
     #[inline(always)]
-    pub(super) fn short(&self, id: u16) -> Option<u32> {
+    pub(super) fn short(&self, id: u16) -> Option<u64> {
         Some(self.short[usize::from(id)]).filter(|&mask| mask != 0)
     }
 
@@ -265,7 +262,7 @@ impl IdTable {
 }
 
 /// Allocated as zeros, of which only the pages in use ever take memory.
-fn no_short() -> Box<[u32; 1 << 16]> {
+fn no_short() -> Box<[u64; 1 << 16]> {
     vec![0; 1 << 16].try_into().unwrap_or_else(|_| Box::new([0; 1 << 16]))
 }
 
@@ -276,6 +273,8 @@ fn slots_for(identifiers: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::edges::{HSYNC, PCLK, VSYNC, wires};
+    use super::super::super::wiring::Wiring;
     use super::*;
 
     #[test]
@@ -311,7 +310,7 @@ mod tests {
             data,
             matched: Default::default(),
         };
-        let table = IdTable::new(&declared, &wiring).unwrap();
+        let table = IdTable::new(&declared, &wires(&wiring)).unwrap();
         for (number, (id, _)) in declared.ids.iter().enumerate() {
             let expected = match number {
                 5 => PCLK,

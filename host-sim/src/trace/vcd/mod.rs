@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! file ─► blocks ─► declarations ─► wiring ─► changes ─► state at active edges ─► stretches
-//!                   (header)        (ids)     (changes, rare)         (sampler)
+//!                   (header)        (ids)     (changes, rare)         (edges)
 //! ```
 //!
 //! | module | what lives there |
@@ -15,8 +15,8 @@
 //! | `changes` | the rule of when a sample is taken |
 //! | `common` | the fast loop |
 //! | `rare` | the other tokens |
-//! | `sampler` | samples to stretches; the clock measured |
 //! | `reader` | all of it: [`VcdReader`] |
+//! | `levels` | the levels of any signals |
 //! | `ticks` | the time stamps of a clock |
 //! | `writer` | stretches to a file: [`VcdWriter`] |
 //! | `error` | what can be wrong, and where |
@@ -29,8 +29,8 @@ mod stamp;
 mod changes;
 mod common;
 mod rare;
-mod sampler;
 mod reader;
+mod levels;
 mod ticks;
 mod writer;
 mod error;
@@ -38,5 +38,7 @@ mod error;
 pub use blocks::Place;
 pub use changes::SamplePoint;
 pub use error::{Problem, VcdError};
+pub(super) use levels::VcdLevels;
 pub use reader::{VcdPlayed, VcdReader};
+pub(super) use ticks::Ticks;
 pub use writer::{Layout, Style, VcdNames, VcdWriteError, VcdWriter, VcdWriterOptions};

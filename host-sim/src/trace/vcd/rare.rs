@@ -1,9 +1,10 @@
 //! The tokens that are not many: long identifiers, unknown values, wide vectors, sections, and everything wrong.
 
+use super::super::edges::PCLK;
 use super::changes::{Machine, Section};
 use super::error::Problem;
 use super::header::shortened;
-use super::ids::{Entry, IdTable, PCLK};
+use super::ids::{Entry, IdTable};
 use super::scan::{is_blank, token_end};
 
 /// What a token does.

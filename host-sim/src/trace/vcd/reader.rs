@@ -5,14 +5,14 @@ use std::io::Read;
 use firmware::camif::pins::Edge;
 use firmware::trace::StretchSink;
 
-use super::super::wiring::{Matched, WiringError, wire};
+use super::super::edges::{EdgeSink, Probe, Sampler, wires};
+use super::super::wiring::{Matched, Tap, WiringError, wire};
 use super::super::{CaptureOptions, PlayError};
 use super::blocks::Blocks;
-use super::changes::{EdgeSink, Machine, Section, Stop};
+use super::changes::{Machine, SamplePoint, Section, Stop};
 use super::error::{Problem, VcdError};
-use super::header;
+use super::header::{self, Declarations};
 use super::ids::IdTable;
-use super::sampler::{Probe, Sampler};
 
 /// What was played.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,12 +27,18 @@ pub struct VcdPlayed {
     pub unknown: u64,
 }
 
-/// A VCD file whose declarations are read.
+/// The changes of a file on their way to a sink.
 #[derive(Debug)]
-pub struct VcdReader<R> {
+pub(super) struct Parser<R> {
     blocks: Blocks<R>,
     ids: IdTable,
     machine: Machine,
+}
+
+/// A VCD file whose declarations are read.
+#[derive(Debug)]
+pub struct VcdReader<R> {
+    parser: Parser<R>,
     matched: Matched,
     timescale_fs: Option<u64>,
     edge: Edge,
@@ -44,21 +50,14 @@ impl<R: Read> VcdReader<R> {
     /// # Errors
     /// If the file cannot be read or is malformed, or a wire is missing.
     pub fn new(inner: R, options: &CaptureOptions) -> Result<Self, VcdError> {
-        let mut blocks = Blocks::new(inner);
-        let declared = match header::read(&mut blocks) {
-            Ok(Ok(declared)) => declared,
-            Ok(Err((at, problem))) => return Err(VcdError::Text { place: blocks.place(at), problem }),
-            Err(error) => return Err(VcdError::Io { offset: blocks.position(), error }),
-        };
+        let (mut parser, declared) = Parser::new(inner)?;
         let wiring = wire(&declared.signals, &options.wanted).map_err(|error| match error {
             WiringError::Map(error) => VcdError::Map(error),
             WiringError::Missing(missing) => VcdError::Missing(missing),
         })?;
-        let place = blocks.place(blocks.at);
-        let ids = IdTable::new(&declared, &wiring).map_err(|problem| VcdError::Text { place, problem })?;
-        let machine = Machine::new(options.edge == Edge::Falling, options.sample_point);
+        parser.wire(&declared, &wires(&wiring), options.edge == Edge::Falling, options.sample_point)?;
         let (matched, timescale_fs) = (wiring.matched, declared.timescale_fs);
-        Ok(Self { blocks, ids, machine, matched, timescale_fs, edge: options.edge })
+        Ok(Self { parser, matched, timescale_fs, edge: options.edge })
     }
 
     /// Which signals were taken for which wires.
@@ -87,7 +86,7 @@ impl<R: Read> VcdReader<R> {
         progress: &mut dyn FnMut(u64),
     ) -> Result<VcdPlayed, PlayError<VcdError, S::Error>> {
         let mut sampler = Sampler::new(sink, self.bus_bits() == 8);
-        let parsed = self.parse(&mut sampler, progress);
+        let parsed = self.parser.parse(&mut sampler, progress);
         // Samples before an error are good.
         let flushed = sampler.flush();
         parsed?;
@@ -96,7 +95,7 @@ impl<R: Read> VcdReader<R> {
         if clocks == 0 {
             return Err(PlayError::Trace(self.no_clock()));
         }
-        Ok(VcdPlayed { clocks, first_time, last_time, unknown: self.machine.unknown })
+        Ok(VcdPlayed { clocks, first_time, last_time, unknown: self.parser.unknown() })
     }
 
     /// Reads a beginning of the file and measures the clock; `None` if it has no time unit.
@@ -105,7 +104,7 @@ impl<R: Read> VcdReader<R> {
     /// If that part of the file is malformed, or the clock never has an active edge.
     pub fn measure_clock(mut self) -> Result<Option<u32>, VcdError> {
         let mut probe = Probe::default();
-        match self.parse(&mut probe, &mut |_| ()) {
+        match self.parser.parse(&mut probe, &mut |_| ()) {
             Err(PlayError::Trace(error)) => return Err(error),
             Ok(()) if probe.edges() == 0 => return Err(self.no_clock()),
             Ok(()) | Err(PlayError::Sink(())) => {}
@@ -117,8 +116,41 @@ impl<R: Read> VcdReader<R> {
         let edge = if self.edge == Edge::Rising { "rising" } else { "falling" };
         VcdError::NoClock { signal: self.matched.pclk.clone(), edge }
     }
+}
 
-    fn parse<S: EdgeSink>(
+impl<R: Read> Parser<R> {
+    /// Reads the declarations; no wire is wanted yet.
+    pub(super) fn new(inner: R) -> Result<(Self, Declarations), VcdError> {
+        let mut blocks = Blocks::new(inner);
+        let declared = match header::read(&mut blocks) {
+            Ok(Ok(declared)) => declared,
+            Ok(Err((at, problem))) => return Err(VcdError::Text { place: blocks.place(at), problem }),
+            Err(error) => return Err(VcdError::Io { offset: blocks.position(), error }),
+        };
+        let machine = Machine::new(false, SamplePoint::AtEdge);
+        Ok((Self { blocks, ids: IdTable::empty(), machine }, declared))
+    }
+
+    /// Says which taps set which bits of the state.
+    pub(super) fn wire(
+        &mut self,
+        declared: &Declarations,
+        wires: &[(Tap, u64)],
+        falling: bool,
+        point: SamplePoint,
+    ) -> Result<(), VcdError> {
+        let place = self.blocks.place(self.blocks.at);
+        self.ids = IdTable::new(declared, wires).map_err(|problem| VcdError::Text { place, problem })?;
+        self.machine = Machine::new(falling, point);
+        Ok(())
+    }
+
+    /// Unknown values so far.
+    pub(super) fn unknown(&self) -> u64 {
+        self.machine.unknown
+    }
+
+    pub(super) fn parse<S: EdgeSink>(
         &mut self,
         sink: &mut S,
         progress: &mut dyn FnMut(u64),

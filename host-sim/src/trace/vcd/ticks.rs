@@ -16,8 +16,8 @@ const UNITS: [(&str, u64); 7] = [
 const SECOND: u64 = 1_000_000_000_000_000;
 /// The times of half periods: whole units, and the rest carried on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ticks {
-    pub(super) now: u64,
+pub(in super::super) struct Ticks {
+    pub(in super::super) now: u64,
     rest: u64,
     step: u64,
     step_rest: u64,
@@ -30,21 +30,20 @@ impl Ticks {
         let halves = 2 * u64::from(hertz);
         let fits = |&&(_, unit): &&(&str, u64)| (SECOND / unit).is_multiple_of(halves);
         let (name, unit) = UNITS.iter().find(fits).copied().unwrap_or(("1 ps", 1_000));
-        let second = SECOND / unit;
-        // Beginning with half a unit turns cutting off into rounding.
-        (
-            Self {
-                now: 0,
-                rest: halves / 2,
-                step: second / halves,
-                step_rest: second % halves,
-                whole: halves,
-            },
-            name,
-        )
+        (Self::of(SECOND / unit, halves), name)
     }
 
-    pub(super) fn advance(&mut self) {
+    /// The times for a clock in picoseconds.
+    pub(in super::super) fn in_picoseconds(hertz: u32) -> Self {
+        Self::of(SECOND / 1_000, 2 * u64::from(hertz))
+    }
+
+    fn of(second: u64, halves: u64) -> Self {
+        // Beginning with half a unit turns cutting off into rounding.
+        Self { now: 0, rest: halves / 2, step: second / halves, step_rest: second % halves, whole: halves }
+    }
+
+    pub(in super::super) fn advance(&mut self) {
         self.now += self.step;
         self.rest += self.step_rest;
         if self.rest >= self.whole {

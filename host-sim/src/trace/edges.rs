@@ -1,10 +1,38 @@
-//! Samples gathered into stretches, and the pixel clock measured.
+//! The wires of a camera bus in one word, samples of them at the edges of the clock gathered into stretches, and the
+//! pixel clock measured.
+//!
+//! ```text
+//! state   │ 18 PCLK │ 17 VSYNC │ 16 HSYNC │ 13 … 0 data │
+//! ```
 
 use firmware::camif::pins::{Samples, Sync};
 use firmware::trace::StretchSink;
 
-use super::changes::EdgeSink;
-use super::ids::{DATA, HSYNC, VSYNC};
+use super::wiring::{Tap, Wiring};
+
+/// Bits of the state.
+pub(super) const DATA: u64 = 0x3FFF;
+pub(super) const HSYNC: u64 = 1 << 16;
+pub(super) const VSYNC: u64 = 1 << 17;
+pub(super) const PCLK: u64 = 1 << 18;
+pub(super) const WIRES: u64 = DATA | HSYNC | VSYNC | PCLK;
+
+/// The bit of the state for each wire.
+pub(super) fn wires(wiring: &Wiring) -> Vec<(Tap, u64)> {
+    let mut wires = vec![(wiring.pclk, PCLK)];
+    wires.extend(wiring.hsync.map(|tap| (tap, HSYNC)));
+    wires.extend(wiring.vsync.map(|tap| (tap, VSYNC)));
+    wires.extend(wiring.data.iter().enumerate().map(|(line, &tap)| (tap, 1 << line & DATA)));
+    wires
+}
+
+/// Takes the state of the wires at every active edge of the clock.
+pub(super) trait EdgeSink {
+    /// Wants the state at every time stamp, not only where the clock has its edge.
+    const EVERY: bool = false;
+    type Error;
+    fn edge(&mut self, state: u64, time: u64) -> Result<(), Self::Error>;
+}
 
 /// Samples a stretch has at most.
 const STRETCH: usize = 1 << 16;
@@ -17,7 +45,7 @@ pub(super) struct Sampler<'s, S> {
     bytes: Box<[u8]>,
     count: usize,
     /// The sync bits of the state for all samples held.
-    sync: u32,
+    sync: u64,
     byte_bus: bool,
     pub(super) edges: u64,
     pub(super) first_time: u64,
@@ -31,7 +59,7 @@ impl<'s, S: StretchSink> Sampler<'s, S> {
             words: Box::new([0; STRETCH]),
             bytes: vec![0; if byte_bus { STRETCH } else { 0 }].into(),
             count: 0,
-            sync: u32::MAX, // no sample has it, so the first one begins a stretch
+            sync: u64::MAX, // no sample has it, so the first one begins a stretch
             byte_bus,
             edges: 0,
             first_time: 0,
@@ -63,7 +91,7 @@ impl<S: StretchSink> EdgeSink for Sampler<'_, S> {
     type Error = S::Error;
 
     #[inline(always)]
-    fn edge(&mut self, state: u32, time: u64) -> Result<(), S::Error> {
+    fn edge(&mut self, state: u64, time: u64) -> Result<(), S::Error> {
         let sync = state & (HSYNC | VSYNC);
         if sync != self.sync || self.count == STRETCH {
             if self.edges == 0 && self.count == 0 {
@@ -92,7 +120,7 @@ impl EdgeSink for Probe {
     /// Enough.
     type Error = ();
 
-    fn edge(&mut self, _: u32, time: u64) -> Result<(), ()> {
+    fn edge(&mut self, _: u64, time: u64) -> Result<(), ()> {
         self.times.push(time);
         if self.times.len() > PROBED { Err(()) } else { Ok(()) }
     }
