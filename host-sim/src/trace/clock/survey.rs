@@ -78,9 +78,9 @@ impl LevelSink for Survey {
         let mut others = changed & !PCLK;
         if others != 0 {
             if changed & PCLK != 0 {
-                self.assign(time, None)
+                self.assign(time, None);
             } else {
-                self.waiting.push(time)
+                self.waiting.push(time);
             }
             while others != 0 {
                 let wire = others.trailing_zeros() as usize % self.last.len();

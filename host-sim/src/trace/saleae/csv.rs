@@ -141,7 +141,7 @@ impl<R: Read> CsvExport<R> {
                 sink.levels(time, state).map_err(PlayError::Sink)?;
                 before = Some(state);
             }
-            if self.line % ROWS == 0 {
+            if self.line.is_multiple_of(ROWS) {
                 progress(self.bytes);
             }
         }
