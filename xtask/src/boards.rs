@@ -35,26 +35,42 @@ pub(crate) fn build(packages: &[String]) -> Result<Vec<Image>> {
 
 /// The same by a given compiler, with more of `RUSTFLAGS`.
 pub(crate) fn build_with(toolchain: &Toolchain, packages: &[String], flags: &[&str]) -> Result<Vec<Image>> {
+    let all = if packages.is_empty() { found()? } else { packages.to_vec() };
+    let mut images = Vec::new();
+    // One at a time: built together, the chips of two boards would be features of one HAL.
+    for package in &all {
+        images.extend(build_package(toolchain, package, flags)?);
+    }
+    images.sort();
+    Ok(images)
+}
+
+/// The packages that make programs.
+fn found() -> Result<Vec<String>> {
+    let folder = folder();
+    let entries = std::fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))?;
+    let mut packages: Vec<_> = entries
+        .flatten()
+        .filter(|entry| entry.path().join("src/bin").is_dir() && entry.path().join("Cargo.toml").is_file())
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    packages.sort();
+    Ok(packages)
+}
+
+fn build_package(toolchain: &Toolchain, package: &str, flags: &[&str]) -> Result<Vec<Image>> {
     let mut command = toolchain.cargo("build");
     command.current_dir(folder()).args(["--locked", "--message-format", "json-render-diagnostics"]);
-    match packages {
-        [] => command.arg("--workspace"),
-        some => command.args(some.iter().flat_map(|package| ["--package", package])),
-    };
+    command.args(["--package", package]);
     if !flags.is_empty() {
         command.env("RUSTFLAGS", flags.join(" "));
         command.args(["--target-dir", "target/flags"]);
     }
     let output = command.stderr(std::process::Stdio::inherit()).output().context("cannot start cargo")?;
     if !output.status.success() {
-        bail!("the board packages do not build");
+        bail!("the board package {package} does not build");
     }
-    let mut images = Vec::new();
-    for line in String::from_utf8_lossy(&output.stdout).lines() {
-        images.extend(image(line));
-    }
-    images.sort();
-    Ok(images)
+    Ok(String::from_utf8_lossy(&output.stdout).lines().filter_map(image).collect())
 }
 
 /// The program that a message of cargo tells of.

@@ -1,0 +1,39 @@
+//! Finds the sensor, captures QVGA frames and says what came of each.
+#![no_std]
+#![no_main]
+
+use core::mem::MaybeUninit;
+
+use cortex_m::Peripherals;
+use cortex_m_rt::entry;
+use defmt_rtt as _;
+use embassy_stm32::pac::interrupt;
+use firmware::driver::FrameCamera;
+use panic_probe as _;
+use stm32::image::serve::{self, Camera};
+use stm32::image::{application, ticks};
+use stm32f429::{CORE_HZ, FRAMES, MEMORY};
+
+#[interrupt]
+fn DCMI() {
+    serve::on_interrupt();
+}
+
+#[interrupt]
+fn DMA2_STREAM1() {
+    serve::on_interrupt();
+}
+
+#[entry]
+fn main() -> ! {
+    static mut CAMERA: MaybeUninit<Camera<FRAMES>> = MaybeUninit::uninit();
+    let Some(core) = Peripherals::take() else { unreachable!("the program starts once") };
+    let (board, port) = stm32f429::init();
+    ticks::start(core.SYST, CORE_HZ);
+    // SAFETY: the only call, for the program starts once.
+    let frames = unsafe { MEMORY.claim() };
+    let Ok(camera) = FrameCamera::new(port, frames) else { unreachable!("a new port holds no memory") };
+    let camera = CAMERA.write(camera);
+    stm32f429::unmask();
+    application::run(board, camera)
+}
