@@ -8,6 +8,7 @@
 //! | `qemu` | runs an image in QEMU and decodes its messages |
 //! | `snapshot` | compares with what was blessed |
 //! | `size` | flash and RAM of an image |
+//! | `silicon` | checks the images for silicon as files, and flashes them |
 //! | `suite` | all images, one after the other |
 
 mod toolchain;
@@ -16,6 +17,7 @@ mod boards;
 mod qemu;
 mod snapshot;
 mod size;
+mod silicon;
 mod suite;
 
 use std::path::{Path, PathBuf};
@@ -39,6 +41,17 @@ enum Command {
         /// Packages of `firmware/boards/`; all of them if none is named
         packages: Vec<String>,
     },
+    /// Build the images for silicon and check vectors, map and size
+    CheckBoards {
+        /// Take the sizes as right
+        #[arg(long)]
+        bless: bool,
+    },
+    /// Flash a board's image and show its log (needs probe-rs)
+    Flash {
+        /// A package of `firmware/boards/`
+        package: String,
+    },
     /// Run the images in QEMU and compare with their snapshots
     Qemu(suite::Options),
     /// Run one image in QEMU and show what it says
@@ -55,6 +68,8 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Setup(options) => setup::run(&options),
         Command::BuildBoards { packages } => boards::build(&packages).map(|_| true),
+        Command::CheckBoards { bless } => silicon::check(bless),
+        Command::Flash { package } => silicon::flash(&package),
         Command::Qemu(options) => suite::run(&options),
         Command::Run { image, board } => suite::run_one(&image, board),
     };

@@ -12,6 +12,7 @@
 //! | [`stream`] | the registers of a DMA stream, as numbers |
 //! | [`silicon`] | [`Silicon`](silicon::Silicon): reads and writes; [`Mmio`](silicon::Mmio) does them |
 //! | [`port`] | [`DcmiPort`](port::DcmiPort): the seam |
+//! | [`output`] | [`Output`](output::Output): captured frames on a serial line |
 //! | `image` | what the images of all boards do: frame memory, ticks, bring-up, capture, logs (feature `image`) |
 //!
 //! # Who owns the memory, and when
@@ -32,5 +33,6 @@ pub mod chip;
 pub mod stream;
 pub mod silicon;
 pub mod port;
+pub mod output;
 #[cfg(feature = "image")]
 pub mod image;

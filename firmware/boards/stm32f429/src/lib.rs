@@ -13,6 +13,7 @@ use embassy_stm32::rcc::{
     PllSource, Sysclk,
 };
 use embassy_stm32::time::Hertz;
+use embassy_stm32::usart::{self, UartTx};
 use embassy_stm32::{Config, Peri, dcmi, pac};
 use firmware::driver::config::Policy;
 use stm32::chip::STM32F429;
@@ -37,8 +38,12 @@ pub const FRAMES: usize = 1;
 #[unsafe(link_section = ".frames")]
 pub static MEMORY: FrameMemory<FRAME_WORDS, FRAMES> = FrameMemory::new();
 
-/// A sensor's pins and bus.
-pub type Sensor = Board<I2c<'static, Blocking, Master>, Output<'static>, Output<'static>>;
+/// Bits a second on USART3, whose wires are those of the ST-LINK's virtual COM port.
+pub const BAUD: u32 = 921_600;
+
+/// A sensor's pins and bus, and the serial line.
+pub type Sensor =
+    Board<I2c<'static, Blocking, Master>, Output<'static>, Output<'static>, UartTx<'static, Blocking>>;
 
 /// Starts the clocks: HSI by the PLL to 120 MHz, of which a fifth is the sensor's. The core could do 180 MHz, of which no
 /// divider of MCO1 makes 24.
@@ -101,6 +106,10 @@ pub fn init() -> (Sensor, DcmiPort<'static, Mmio>) {
     let mut bus = i2c::Config::default();
     bus.frequency = Hertz::khz(100);
     let i2c = I2c::new_blocking(p.I2C1, p.PB8, p.PB9, bus);
+    let mut line = usart::Config::default();
+    line.baudrate = BAUD;
+    let serial = UartTx::new_blocking(p.USART3, p.PD8, line);
+    let Ok(serial) = serial else { unreachable!("the divider for this rate fits") };
     let sensor = Board {
         i2c,
         reset: Output::new(p.PD15, Level::Low, Speed::Low),
@@ -108,6 +117,7 @@ pub fn init() -> (Sensor, DcmiPort<'static, Mmio>) {
         sensor_hz: SENSOR_HZ,
         hclk_hz: HCLK_HZ,
         policy: Policy::Snapshot,
+        serial,
     };
     // SAFETY: this is an STM32F429 as its reset and the clocks above prove; DCMI and DMA2 are clocked; embassy's drivers for
     // them are not used, and `init` takes the peripherals, so it does not come here twice.

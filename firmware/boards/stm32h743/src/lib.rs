@@ -15,6 +15,7 @@ use embassy_stm32::rcc::{
     PllPreDiv, PllSource, Sysclk, VoltageScale,
 };
 use embassy_stm32::time::Hertz;
+use embassy_stm32::usart::{self, UartTx};
 use embassy_stm32::{Config, Peri, dcmi, pac};
 use firmware::driver::config::Policy;
 use stm32::chip::STM32H743;
@@ -44,8 +45,12 @@ const AXI: u32 = 0x2400_0000;
 /// 2 to this power is its size less one: 512 KiB.
 const AXI_SIZE: u32 = 18;
 
-/// A sensor's pins and bus.
-pub type Sensor = Board<I2c<'static, Blocking, Master>, Output<'static>, Output<'static>>;
+/// Bits a second on USART3, whose wires are those of the ST-LINK's virtual COM port.
+pub const BAUD: u32 = 921_600;
+
+/// A sensor's pins and bus, and the serial line.
+pub type Sensor =
+    Board<I2c<'static, Blocking, Master>, Output<'static>, Output<'static>, UartTx<'static, Blocking>>;
 
 /// Starts the clocks: HSI by PLL1 to 400 MHz, half of it for the buses; HSI48 for the sensor.
 fn clocks() -> Config {
@@ -114,6 +119,10 @@ pub fn init(mpu: &mut MPU, scb: &mut SCB, cpuid: &mut CPUID) -> (Sensor, DcmiPor
     let mut bus = i2c::Config::default();
     bus.frequency = Hertz::khz(100);
     let i2c = I2c::new_blocking(p.I2C1, p.PB8, p.PB9, bus);
+    let mut line = usart::Config::default();
+    line.baudrate = BAUD;
+    let serial = UartTx::new_blocking(p.USART3, p.PD8, line);
+    let Ok(serial) = serial else { unreachable!("the divider for this rate fits") };
     let sensor = Board {
         i2c,
         reset: Output::new(p.PD15, Level::Low, Speed::Low),
@@ -121,6 +130,7 @@ pub fn init(mpu: &mut MPU, scb: &mut SCB, cpuid: &mut CPUID) -> (Sensor, DcmiPor
         sensor_hz: SENSOR_HZ,
         hclk_hz: HCLK_HZ,
         policy: Policy::NewestWins,
+        serial,
     };
     // SAFETY: this is an STM32H743 as its reset and the clocks above prove; DCMI and DMA2 are clocked; embassy's drivers for
     // them are not used, and `init` takes the peripherals, so it does not come here twice.
