@@ -67,8 +67,10 @@ impl Board {
             let word = self.camif.read(Register::Data);
             let index = (address - self.base) as usize / 4;
             assert!(index < self.words, "the DMA writes within the memory");
-            // SAFETY: within the memory that the test holds, of which the driver has lent this part.
-            unsafe { self.memory.add(index).write(word) };
+            // SAFETY: `index` is within the memory.
+            let place = unsafe { self.memory.add(index) };
+            // SAFETY: the test holds the memory, and the driver has lent this part of it.
+            unsafe { place.write(word) };
             self.count -= 1;
             if self.count == length / 2 {
                 self.flags |= 1 << 4;
@@ -253,9 +255,11 @@ impl Bench {
         let base = chip.reach.iter().find(fits).unwrap().start;
         let board = RefCell::new(Board::new(chip.clone(), &mut memory, base));
         let pointer = board.borrow().memory;
-        // SAFETY: N parts of the memory, none twice; the board writes through the same pointer.
-        let buffers: [&mut [u32]; N] = std::array::from_fn(|index| unsafe {
-            std::slice::from_raw_parts_mut(pointer.add(index * room), room)
+        let buffers: [&mut [u32]; N] = std::array::from_fn(|index| {
+            // SAFETY: the memory has N parts of this many words.
+            let part = unsafe { pointer.add(index * room) };
+            // SAFETY: no part is taken twice; the board writes through the same pointer.
+            unsafe { std::slice::from_raw_parts_mut(part, room) }
         });
         let camera = FrameCamera::new(DcmiPort::new(Shared(&board), chip.clone()), buffers).unwrap();
         self.send(&camera, &mut |sync, bytes| {

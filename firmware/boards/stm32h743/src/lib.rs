@@ -17,6 +17,7 @@ use embassy_stm32::rcc::{
 use embassy_stm32::time::Hertz;
 use embassy_stm32::usart::{self, UartTx};
 use embassy_stm32::{Config, Peri, dcmi, pac};
+use embassy_time::Duration;
 use firmware::driver::config::Policy;
 use stm32::chip::STM32H743;
 use stm32::image::application::Board;
@@ -118,6 +119,8 @@ pub fn init(mpu: &mut MPU, scb: &mut SCB, cpuid: &mut CPUID) -> (Sensor, DcmiPor
 
     let mut bus = i2c::Config::default();
     bus.frequency = Hertz::khz(100);
+    // A bus that is held low, or has no pull-ups, is an error and not a wait for ever: a transfer takes under 1 ms.
+    bus.timeout = Duration::from_millis(10);
     let i2c = I2c::new_blocking(p.I2C1, p.PB8, p.PB9, bus);
     let mut line = usart::Config::default();
     line.baudrate = BAUD;

@@ -78,6 +78,28 @@ fn the_document_names_every_sensor_and_mode() {
 }
 
 #[test]
+fn the_page_on_boards_tells_of_every_error_and_cause() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/board.md");
+    let page = std::fs::read_to_string(path).unwrap();
+    let sources = ["../firmware/src/sensor/error.rs", "../firmware/src/driver/deadline.rs"];
+    let enums = ["pub enum SensorError {", "pub enum Cause {"];
+    for (source, start) in sources.into_iter().zip(enums) {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(source);
+        let text = std::fs::read_to_string(path).unwrap();
+        let (_, body) = text.split_once(start).unwrap();
+        let (body, _) = body.split_once("\n}").unwrap();
+        // Variants stand four spaces in.
+        let is_variant = |line: &&str| line.starts_with("    ") && line.as_bytes()[4].is_ascii_uppercase();
+        let variants: Vec<_> = body.lines().filter(|line| !line.is_empty()).filter(is_variant).collect();
+        assert!(variants.len() > 5, "{source}");
+        for line in variants {
+            let name = line.trim().split(|letter: char| !letter.is_ascii_alphanumeric()).next().unwrap();
+            assert!(page.contains(&format!("`{name}`")), "docs/board.md does not tell of {name}");
+        }
+    }
+}
+
+#[test]
 fn every_mode_comes_up_as_it_says() {
     for (model, mode) in all_modes() {
         let what = format!("{} {}", model.name, mode.name);
