@@ -31,7 +31,7 @@ struct Chip {
     handlers: &'static [(&'static str, usize)],
 }
 
-/// RM0433 §2.3 and table 150; RM0090 §2.3 and table 62.
+/// RM0433 and RM0090: the chapters on memory and on the vectors of NVIC.
 const CHIPS: &[Chip] = &[
     Chip {
         package: "stm32h743",

@@ -1,7 +1,7 @@
 //! Aptina (onsemi) MT9V034: wide VGA with a global shutter, 10 wires, two-wire interface at 0x48 with data of 16 bits.
 //!
-//! Source: the data sheet MT9V034, rev. H ("Two-Wire Serial Interface", "Output Data Timing" with table 4 "Frame Time",
-//! tables 8 and 9 of the registers).
+//! Source: the data sheet MT9V034 ("Two-Wire Serial Interface", "Output Data Timing" with its table "Frame Time", and the
+//! register tables).
 //!
 //! The address is 0x48, 0x4C, 0x58 or 0x5C by the pins `S_CTRL_ADR1` and `S_CTRL_ADR0`; here both are low. FRAME_VALID is
 //! high over a frame and LINE_VALID over a line; PIXCLK is SYSCLK inverted, so its rising edge is in the middle of the data.

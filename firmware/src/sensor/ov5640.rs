@@ -1,7 +1,7 @@
 //! OmniVision OV5640: five megapixels with a scaler, 8 of its 10 wires, SCCB at 0x3C with addresses of 16 bits.
 //!
-//! Sources: the data sheet, version 2.03 (§4.1 PLL, §4.2 windowing and figure 4-2, §4.6 test pattern, §6.1 digital video port,
-//! §7 register tables), and the application notes for the parallel port 2.13 (§4.2 clock).
+//! Sources: the data sheet, version 2.03 (chapter 2 for power-up and PLL, 4 for windowing and test pattern, 6 for the digital
+//! video port, 7 for the register tables), and the application notes for the parallel port 2.13 (clock).
 //!
 //! Where they disagree: the register table has 1 in 0x4740\[1:0\] mean "active high"; boards that work agree that with both
 //! bits 0, their reset values, HREF is high over data and VSYNC is high between frames. The table leaves them so.
@@ -87,7 +87,7 @@ pub static OV5640: Model = Model {
         Identity { register: CHIP_ID_HIGH, accepted: &[0x56] },
         Identity { register: CHIP_ID_LOW, accepted: &[0x40] },
     ],
-    // §2.7 power-up: at least 1 ms from power-down low to reset high, 20 ms to the first access.
+    // Power-up (chapter 2): at least 1 ms from power-down low to reset high, 20 ms to the first access.
     power: Power { reset_low: 5_000, settle: 20_000 },
     input_hz: 24_000_000,
     input_range_hz: (6_000_000, 27_000_000),
@@ -155,7 +155,7 @@ struct Window {
     half: bool,
 }
 
-/// All of the array, for the scaler (data sheet, table 4-2).
+/// All of the array, for the scaler (data sheet, chapter 4).
 const WHOLE: Window = Window { first: (0, 4), last: (2_623, 1_947), offset: (16, 6), half: true };
 /// Its middle, pixel by pixel: the scaler takes no mosaic.
 const MIDDLE: Window = Window { first: (984, 732), last: (1_639, 1_219), offset: (8, 4), half: false };

@@ -35,10 +35,10 @@ pub enum Request {
     },
 }
 
-/// STM32H743: DCMI (RM0433 §29), DMA2 stream 0 behind DMAMUX1 channel 8, request 75 (RM0433 §17.3.2, table 121).
+/// STM32H743: DCMI (RM0433 ch. 29), DMA2 stream 0 behind DMAMUX1 channel 8, request 75 (RM0433 ch. 17).
 ///
 /// DMA1 and DMA2 sit on the D2 matrix and reach AXI SRAM and the SRAMs of D2 and D3, but not the tightly coupled memories,
-/// which hang on the core (RM0433 §2.1, table 1).
+/// which hang on the core (RM0433 ch. 2).
 pub const STM32H743: Chip = Chip {
     part: Part::STM32H7,
     dcmi: 0x4802_0000,
@@ -53,7 +53,7 @@ pub const STM32H743: Chip = Chip {
     ],
 };
 
-/// STM32F429: DCMI (RM0090 §15), DMA2 stream 1 channel 1 (RM0090 §10.3.3, table 43).
+/// STM32F429: DCMI (RM0090 ch. 15), DMA2 stream 1 channel 1 (RM0090 §10.3.3, table 43).
 ///
 /// The core-coupled memory at 0x1000_0000 is out of the DMA's reach (RM0090 §2.3.1); SDRAM on FMC, as on
 /// the 32F429IDISCOVERY, is within it.

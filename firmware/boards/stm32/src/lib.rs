@@ -23,7 +23,8 @@
 //! - **In flight**: a target may be moved while the other is in use. The register of the target in use is never written: CT
 //!   is read before, and the driver reads it again after.
 //! - **Back**: a buffer is taken back only when neither target aims at it, or when EN reads 0. TCIF, and EN after it was
-//!   cleared, are set when the last word is in memory (RM0090 §10.3.7 and §10.3.14, RM0433 §16.3.9), and a fence follows before the
+//!   cleared, are set when the last word is in memory (RM0090 §10.3.13 and §10.3.14; RM0433 ch. 16 has the same
+//!   controller), and a fence follows before the
 //!   first read by the processor.
 //!
 //! The cache of a Cortex-M7 is not this package's business: a board puts its buffers where they are not cached.

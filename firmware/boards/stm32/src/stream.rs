@@ -1,4 +1,4 @@
-//! The registers of a DMA stream as numbers: RM0090 §10.5, RM0433 §16.5. Both controllers have the same.
+//! The registers of a DMA stream as numbers: RM0090 §10.5, RM0433 ch. 16. Both controllers have the same.
 
 use firmware::port::{Burst, DmaEvents, DmaMode, Transfer};
 

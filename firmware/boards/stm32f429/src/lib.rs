@@ -99,7 +99,7 @@ pub fn init() -> (Sensor, DcmiPort<'static, Mmio>) {
     );
     pac::RCC.ahb2enr().modify(|enable| enable.set_dcmien(true));
     pac::RCC.ahb1enr().modify(|enable| enable.set_dma2en(true));
-    // A read after the enable, for the clock takes two cycles to arrive (RM0090 §7.3.11).
+    // A read after the enable, for the clock takes two cycles to arrive (RM0090 ch. 6).
     let _ = pac::RCC.ahb1enr().read();
     debug_assert_eq!(pac::DCMI.as_ptr() as u32, STM32F429.dcmi);
     debug_assert_eq!(pac::DMA2.as_ptr() as u32, STM32F429.dma);

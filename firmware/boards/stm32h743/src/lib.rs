@@ -112,7 +112,7 @@ pub fn init(mpu: &mut MPU, scb: &mut SCB, cpuid: &mut CPUID) -> (Sensor, DcmiPor
     );
     pac::RCC.ahb2enr().modify(|enable| enable.set_dcmien(true));
     pac::RCC.ahb1enr().modify(|enable| enable.set_dma2en(true));
-    // A read after the enable, for the clock takes two cycles to arrive (RM0433 §8.5.10).
+    // A read after the enable, for the clock takes two cycles to arrive (RM0433 ch. 8).
     let _ = pac::RCC.ahb1enr().read();
     debug_assert_eq!(pac::DCMI.as_ptr() as u32, STM32H743.dcmi);
     debug_assert_eq!(pac::DMA2.as_ptr() as u32, STM32H743.dma);

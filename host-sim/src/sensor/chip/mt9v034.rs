@@ -1,4 +1,4 @@
-//! What the registers of an MT9V034 mean: data sheet, "Output Data Timing" with table 4, tables 8 and 9.
+//! What the registers of an MT9V034 mean: data sheet, "Output Data Timing" with its table "Frame Time", and the register tables.
 //!
 //! Left out: slave mode, context B, interlaced readout, LVDS, companding, gains and exposure, LINE_VALID during vertical
 //! blanking. The picture is the whole array of 752 × 480 from column 1 of row 4 on. Binned pixels of a mosaic are gray.
@@ -38,7 +38,7 @@ pub(super) static CHIP: Chip = Chip {
     decode,
 };
 
-/// Clocks from the end of a frame's last line to the fall of FRAME_VALID (table 4, P2).
+/// Clocks from the end of a frame's last line to the fall of FRAME_VALID ("Frame Time", P2).
 const FRAME_END: u32 = 23;
 
 fn decode(registers: &Registers, mounting: &Mounting) -> Result<Readout, Silent> {

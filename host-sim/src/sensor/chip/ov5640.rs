@@ -1,4 +1,4 @@
-//! What the registers of an OV5640 mean: data sheet 2.03, §4.1 (PLL), §4.2 (windowing), §6.1 (video port), §7.
+//! What the registers of an OV5640 mean: data sheet 2.03, chapters 2 (PLL), 4 (windowing), 6 (video port), 7.
 //!
 //! The window of the array is stepped over, loses its offsets on all sides, and is scaled to the output. Left out: JPEG,
 //! MIPI, BT.656, gains and exposure. The picture is the 2,560 × 1,920 pixels from (32, 16) on. How blanking is divided before
@@ -160,7 +160,7 @@ struct Clocks {
 }
 
 impl Clocks {
-    /// §4.1: input / pre-divider × multiplier / system / root / bits, then a root divider each.
+    /// Chapter 2: input / pre-divider × multiplier / system / root / bits, then a root divider each.
     fn of(registers: &Registers, mounting: &Mounting) -> Result<Self, Silent> {
         let bits = |register, low, count| registers.bits(register, low, count);
         let input = u64::from(mounting.input_hz);
