@@ -9,10 +9,12 @@
 //! | `replay` | a trace becomes frames |
 //! | `process` | a picture file goes through a pipeline |
 //! | `showcase` | what the demo makes of its first frame |
+//! | `clock` | the clock as it was recovered, for people and as JSON |
 //! | `report` | what came of a replay, for people and as JSON |
 //! | `progress` | bars on stderr |
 
 mod bring_up;
+mod clock;
 mod demo;
 mod generate;
 mod inject;

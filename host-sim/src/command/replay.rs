@@ -4,6 +4,7 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use clap::Args;
 
+use super::clock::{ClockReport, seconds};
 use super::process::{print_help, print_timing};
 use super::report::{Collector, Report};
 use super::{Outcome, progress};
@@ -15,7 +16,7 @@ use crate::trace::SignalMap;
 /// Options of `replay`.
 #[derive(Debug, Args)]
 pub struct Replay {
-    /// The trace: .camt or .vcd, told apart by content
+    /// The trace: .camt, VCD, sigrok .sr, Saleae digital.csv or folder of binary files, FST; told apart by content
     trace: PathBuf,
     /// Built-in profile or TOML file; without it the one that the trace carries
     #[arg(long)]
@@ -23,6 +24,10 @@ pub struct Replay {
     /// Which signals are the wires, for instance PCLK=CH0,HSYNC=CH1,D0=CH3
     #[arg(long, value_name = "WIRE=SIGNAL,…")]
     map: Option<String>,
+    /// In an analyser's samples: pulses of the clock shorter than this are dropped, for instance 12ns; without, shorter than half of what
+    /// is usual
+    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    min_pulse: Option<f64>,
     /// Pixel clocks from DMA request to grant: MIN or MIN..MAX, then ,stall=CLOCKS/ONE_IN and ,seed=N
     #[arg(long, value_name = "LATENCY", default_value = "0")]
     bus_latency: String,
@@ -55,7 +60,7 @@ impl Replay {
         let bus = parse_bus(&self.bus_latency)?;
         let profile = self.profile.as_deref().map(Profile::find).transpose()?;
         let map = self.map.as_deref().map(SignalMap::parse).transpose()?.unwrap_or_default();
-        let source = Source::open(&self.trace, profile.as_ref(), map)?;
+        let source = Source::open_with(&self.trace, profile.as_ref(), map, self.min_pulse)?;
         for note in source.notes() {
             eprintln!("note: {note}");
         }
@@ -103,5 +108,6 @@ pub(super) fn replay(
     }
     let mut report = Report::new(source.trace().path(), profile, collector.frames, &summary, seconds);
     report.unknown_levels = played.unknown;
+    report.clock = ClockReport::of(source.trace(), played.dropped_pulses);
     Ok(report)
 }

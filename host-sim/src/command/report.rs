@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::Context as _;
 use serde::Serialize;
 
+use super::clock::ClockReport;
 use crate::picture;
 use crate::pipeline::{Picture, Runner};
 use crate::profile::{Choice, Profile};
@@ -29,6 +30,9 @@ pub(super) struct Report {
     pub(super) unfinished_words: u32,
     /// Unknown levels (`x`, `z`) that were read as 0.
     pub(super) unknown_levels: u64,
+    /// The pixel clock, if it had to be recovered from an analyser's samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) clock: Option<ClockReport>,
     /// Why there was no frame, if there was none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) no_frame: Option<String>,
@@ -140,6 +144,7 @@ impl Report {
             trace_seconds: profile.seconds(summary.clocks),
             unfinished_words: summary.unfinished_words,
             unknown_levels: 0,
+            clock: None,
         }
     }
 
@@ -185,6 +190,9 @@ impl fmt::Display for Report {
         writeln!(f, "frames         {} ({good} good)", self.frames.len())?;
         writeln!(f, "overruns       {}", self.overruns)?;
         writeln!(f, "pixel clocks   {}", grouped(self.pclk))?;
+        if let Some(clock) = &self.clock {
+            writeln!(f, "clock          {clock}")?;
+        }
         if self.unfinished_words > 0 {
             writeln!(
                 f,
@@ -193,7 +201,7 @@ impl fmt::Display for Report {
             )?;
         }
         if self.unknown_levels > 0 {
-            writeln!(f, "unknown        {} levels (x or z) were read as 0", self.unknown_levels)?;
+            writeln!(f, "unknown        {} levels (x, z or X) were read as 0", self.unknown_levels)?;
         }
         let rate = if self.seconds > 0.0 { self.pclk as f64 / self.seconds / 1e6 } else { 0.0 };
         write!(f, "took           {:.3} s, {rate:.0} million clocks a second", self.seconds)

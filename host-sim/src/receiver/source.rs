@@ -56,6 +56,19 @@ impl Source {
     /// # Errors
     /// [`SourceError`] if the trace cannot be read, carries a bad profile, or does not fit the profile's bus.
     pub fn open(path: &Path, profile: Option<&Profile>, map: SignalMap) -> Result<Self, SourceError> {
+        Self::open_with(path, profile, map, None)
+    }
+
+    /// The same; in an analyser's samples, pulses of the clock shorter than `shortest_pulse` seconds are dropped.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_with(
+        path: &Path,
+        profile: Option<&Profile>,
+        map: SignalMap,
+        shortest_pulse: Option<f64>,
+    ) -> Result<Self, SourceError> {
         let bad_profile = |error| SourceError::Profile { path: path.to_owned(), error };
         let guess = match profile {
             Some(profile) => profile.clone(),
@@ -66,7 +79,12 @@ impl Source {
             bus_bits: u8::try_from(guess.bus.bits).ok(),
             no_sync_wires: guess.bus.sync == SyncMode::Embedded,
         };
-        let options = CaptureOptions { wanted, edge: guess.bus.clock_edge, ..CaptureOptions::default() };
+        let options = CaptureOptions {
+            wanted,
+            edge: guess.bus.clock_edge,
+            shortest_pulse,
+            ..CaptureOptions::default()
+        };
         let trace = trace::open(path, &options)?;
         let mut notes = Vec::new();
         let profile = match (profile, &trace.info().profile) {

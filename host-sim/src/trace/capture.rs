@@ -32,6 +32,7 @@ use std::path::{Path, PathBuf};
 
 use super::camt;
 use super::error::TraceError;
+use super::fst;
 use super::levels::{LevelSink, Levels, LevelsPlayed};
 use super::open::Format;
 use super::saleae::{BinaryExport, CsvExport};
@@ -123,6 +124,10 @@ impl Capture {
             Format::SaleaeBinary => {
                 let export = self.binary()?;
                 (export.about(), export.file_bytes())
+            }
+            Format::Fst => {
+                let file = fst::FstFile::new(self.buffered()?).map_err(|error| self.fst_error(error))?;
+                (file.about(), bytes()?)
             }
         })
     }
@@ -245,6 +250,11 @@ impl Capture {
                 let played = self.binary().map_err(trace)?.play(wires, sink, progress);
                 played.map_err(|error| error.map(|error| self.saleae_error(error)))
             }
+            Format::Fst => {
+                let file = fst::FstFile::new(self.buffered().map_err(trace)?);
+                let mut file = file.map_err(|error| trace(self.fst_error(error)))?;
+                file.play(wires, sink, progress).map_err(|error| error.map(|error| self.fst_error(error)))
+            }
         }
     }
 
@@ -287,6 +297,10 @@ impl Capture {
     fn saleae_error(&self, error: saleae::SaleaeError) -> TraceError {
         TraceError::Saleae { path: self.path.clone(), error }
     }
+
+    fn fst_error(&self, error: fst::FstError) -> TraceError {
+        TraceError::Fst { path: self.path.clone(), error }
+    }
 }
 
 /// The format by the first bytes of a file.
@@ -299,6 +313,9 @@ fn sniff(head: &[u8]) -> Option<Format> {
     }
     if head.starts_with(b"<SALEAE>") {
         return Some(Format::SaleaeBinary);
+    }
+    if fst::is_fst(head) {
+        return Some(Format::Fst);
     }
     let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head).trim_ascii_start();
     if text.starts_with(b"$") || text.starts_with(b"META ") {

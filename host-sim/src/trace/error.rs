@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::clock::ClockError;
+use super::fst::FstError;
 use super::saleae::{SaleaeError, SaleaeWriteError};
 use super::sr::{SrError, SrWriteError};
 use super::vcd::{VcdError, VcdWriteError};
@@ -62,6 +63,14 @@ pub enum TraceError {
         path: PathBuf,
         /// What and where.
         error: SaleaeError,
+    },
+    /// An FST is damaged.
+    #[error("{}: {error}", .path.display())]
+    Fst {
+        /// The file.
+        path: PathBuf,
+        /// What and where.
+        error: FstError,
     },
     /// The wires are not found among the signals.
     #[error("{}: {error}", .path.display())]

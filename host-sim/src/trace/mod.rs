@@ -24,6 +24,7 @@
 //! | [`camt`] | the project's own format on the host |
 //! | [`vcd`] | value change dumps |
 //! | [`sr`] | sigrok sessions |
+//! | [`fst`] | fast signal traces |
 //! | [`saleae`] | exports of Saleae Logic 2, as text and binary |
 //! | [`error`] | what can go wrong |
 
@@ -41,6 +42,7 @@ pub mod camt;
 pub mod vcd;
 pub mod sr;
 pub mod saleae;
+pub mod fst;
 pub mod error;
 
 pub use capture::{Capture, Channel};

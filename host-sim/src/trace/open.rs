@@ -37,6 +37,8 @@ pub enum Format {
     SaleaeCsv,
     /// Saleae's binary files.
     SaleaeBinary,
+    /// Fast signal trace.
+    Fst,
 }
 
 impl Format {
@@ -49,6 +51,7 @@ impl Format {
             Self::Sr => "sigrok session",
             Self::SaleaeCsv => "Saleae CSV",
             Self::SaleaeBinary => "Saleae binary",
+            Self::Fst => "FST",
         }
     }
 }

@@ -55,3 +55,15 @@ pub(super) fn is_csv(head: &[u8]) -> bool {
     let line = head.split(|&byte| byte == b'\n').next().unwrap_or_default().to_ascii_lowercase();
     line.starts_with(b"time") && line.contains(&b',')
 }
+
+/// The changes of one binary file in memory, for tests.
+#[cfg(test)]
+pub(super) fn changes_of_one(bytes: &[u8]) -> Result<super::levels::Levels, SaleaeError> {
+    let mut channel = channel::Channel::new(Path::new("digital_0.bin"), bytes, bytes.len() as u64)?;
+    let mut levels = super::levels::Levels::at_most(usize::MAX);
+    while let Some(change) = channel.next()? {
+        levels.times.push(((change.seconds + 1e7) * 1e3) as u64);
+        levels.states.push(u64::from(change.high));
+    }
+    Ok(levels)
+}

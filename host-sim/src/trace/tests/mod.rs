@@ -15,6 +15,7 @@ use super::*;
 
 mod changes;
 mod files;
+mod foreign;
 mod random;
 
 /// Every clock: HSYNC, VSYNC and the sample.

@@ -201,7 +201,11 @@ impl Declarations {
 }
 
 /// A name without its backslash, and the range behind it, which may be part of the same word.
-fn name_and_range<'a>(word: &'a str, apart: &str, width: u32) -> (&'a str, Option<(u32, u32)>) {
+pub(in super::super) fn name_and_range<'a>(
+    word: &'a str,
+    apart: &str,
+    width: u32,
+) -> (&'a str, Option<(u32, u32)>) {
     let name = unescaped(word);
     if let Some(range) = range(apart) {
         return (name, Some(range));

@@ -38,6 +38,7 @@ mod error;
 pub use blocks::Place;
 pub use changes::SamplePoint;
 pub use error::{Problem, VcdError};
+pub(super) use header::name_and_range;
 pub(super) use levels::VcdLevels;
 pub use reader::{VcdPlayed, VcdReader};
 pub(super) use ticks::Ticks;
