@@ -40,7 +40,7 @@ impl Packing {
             Self::Zlib => drop(flate2::bufread::ZlibDecoder::new(bytes).take(size).read_to_end(&mut out)),
             Self::Gzip => drop(flate2::bufread::GzDecoder::new(bytes).take(size).read_to_end(&mut out)),
             Self::Lz4 => {
-                out = lz4_flex::block::decompress(bytes, size as usize).map_err(|_| wrong.clone())?
+                out = lz4_flex::block::decompress(bytes, size as usize).map_err(|_| wrong.clone())?;
             }
             Self::FastLz => out = fastlz(bytes, size as usize).ok_or_else(|| wrong.clone())?,
         }
