@@ -11,7 +11,7 @@ use firmware::camif::{Bus, Camif, Part};
 use firmware::driver::config::{Damaged, Policy, SyncMode};
 use firmware::driver::verdict::{Outcome, Statistics};
 use firmware::driver::{Config, FrameCamera, StartError, frame_plan};
-use firmware::port::{DmaError, Port};
+use firmware::port::{Burst, Dma, DmaError, DmaMode, Port, Target, Transfer};
 use stm32::chip::{Chip, Request, STM32F429, STM32H743};
 use stm32::port::DcmiPort;
 use stm32::silicon::Silicon;
@@ -89,11 +89,15 @@ impl Board {
         }
     }
 
-    /// DCMI's request reaches the stream.
+    /// DCMI's request reaches the stream, by the manuals' tables and not by the port's.
     fn is_requested(&self) -> bool {
-        match self.chip.request {
-            Request::Channel(channel) => self.get(self.stream.control()) >> 25 & 7 == channel,
-            Request::Multiplexer { register, request } => self.get(register) == request,
+        match (self.chip.part.name, self.chip.dma, self.chip.stream) {
+            // RM0090 table 43: DCMI is channel 1 of DMA2's streams 1 and 7.
+            ("STM32F4", 0x4002_6400, 1 | 7) => self.get(self.stream.control()) >> 25 & 7 == 1,
+            // RM0433 ch. 17: DMAMUX1 has a register for each stream of DMA1 and then of DMA2; DCMI is request 75.
+            ("STM32H7", 0x4002_0000, stream) => self.get(0x4002_0800 + 4 * stream) == 75,
+            ("STM32H7", 0x4002_0400, stream) => self.get(0x4002_0820 + 4 * stream) == 75,
+            _ => false,
         }
     }
 
@@ -320,6 +324,37 @@ fn one_buffer_is_enough_for_snapshots() {
         assert_eq!(through, bench.through_the_model::<1>(chip.part), "{}", chip.part.name);
         assert!(!through.0.is_empty() && through.0.iter().all(|frame| frame.0.is_good()));
     }
+}
+
+#[test]
+fn the_target_in_use_stays_where_it_is() {
+    let chip = STM32F429;
+    let (mut memory, base) = (vec![0; 64], chip.reach[0].start);
+    let board = RefCell::new(Board::new(chip.clone(), &mut memory, base));
+    let pointer = board.borrow().memory;
+    // SAFETY: the only reference to the memory; the board does not write, for no data comes.
+    let buffer = unsafe { std::slice::from_raw_parts_mut(pointer, 64) };
+    let mut port = DcmiPort::new(Shared(&board), chip);
+    port.lend(0, buffer).unwrap();
+    port.aim(Target::Zero, 0, 0).unwrap();
+    port.aim(Target::One, 0, 16).unwrap();
+    let (mode, burst) = (DmaMode::Double, Burst::Four);
+    port.start(Transfer { words: 16, mode, burst, line_by_line: false, half_interrupt: false }).unwrap();
+    let addresses = || [0, 1].map(|target| board.borrow().get(board.borrow().stream.memory(target)) - base);
+    assert_eq!(addresses(), [0, 64]);
+    // The board asserts that the register of the target in use is not written.
+    port.aim(Target::Zero, 0, 32).unwrap();
+    assert_eq!((addresses(), port.target()), ([0, 64], Target::Zero), "the caller sees that it was late");
+    port.aim(Target::One, 0, 32).unwrap();
+    assert_eq!(addresses(), [0, 128]);
+    assert_eq!(
+        port.aim(Target::One, 0, 56),
+        Err(DmaError::OutOfBounds { slot: 0, needed: 72, lent: 64 }),
+        "a transfer that does not fit is not aimed"
+    );
+    assert!(port.take_back(0).is_none(), "the DMA has it");
+    port.stop();
+    assert_eq!(port.take_back(0).map(|buffer| buffer.len()), Some(64));
 }
 
 #[test]
