@@ -22,7 +22,7 @@
 //! ```
 //!
 //! The whole file goes through [`Capture::play`] into any [`LevelSink`], in constant memory. Once the wires are known, their
-//! names make a [`SignalMap`](super::SignalMap) ([`SignalMap::of`](super::SignalMap::of)), and [`open`](super::open) plays frames
+//! names make a [`SignalMap`](super::SignalMap) ([`SignalMap::of`](super::SignalMap::of)), and [`open`](fn@super::open) plays frames
 //! by a profile. A `.camt` has no clock wire; it shows one as if it had been recorded at two units of time a clock:
 //! the other wires change at `2k`, `PCLK` rises at `2k + 1`.
 
