@@ -9,6 +9,7 @@
 //! | [`port`] | the seams between driver and block: registers, and a DMA that owns what it is lent |
 //! | [`buffers`] | who holds which buffer: the frame pool and the line ring |
 //! | [`driver`] | configuration, capture, deadlines, recovery, verdicts |
+//! | [`pipeline`] | the device's own vision: lines in, lines out, in memory known beforehand |
 //! | [`sensor`] | sensor bring-up: identify, reset, mode tables as data |
 //! | [`link`] | frames, log and commands over a serial line |
 //!
@@ -20,5 +21,6 @@ pub mod camif;
 pub mod port;
 pub mod buffers;
 pub mod driver;
+pub mod pipeline;
 pub mod sensor;
 pub mod link;
