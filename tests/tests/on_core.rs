@@ -6,8 +6,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use camif_tests::on_core::pictures;
+use camif_tests::on_core::{pictures, replay, traces};
 use exercise::Workspace;
+use exercise::replay::scenario::{CANNY, FAULTS, FRAMES, SOBEL};
+use host_sim::receiver::capture_config;
 
 static SPACE: Mutex<Workspace> = Mutex::new(Workspace::new());
 
@@ -37,6 +39,43 @@ fn every_algorithm_makes_the_same_on_x86_64_and_on_cortex_m4_and_m7() {
             assert_eq!(told, made, "{board} on the left, this host on the right");
         }
         assert_eq!(told.len(), made.len(), "{board}");
+    }
+}
+
+/// The host's words for some scenarios are the images', to the last register access.
+fn same(image: &str, made: &[String]) {
+    for board in ["an386", "an500"] {
+        let told = messages(board, image);
+        for (told, made) in told.iter().zip(made) {
+            assert_eq!(told, made, "{board} on the left, this host on the right");
+        }
+        assert_eq!(told.len(), made.len(), "{board}");
+    }
+}
+
+#[test]
+fn the_driver_does_the_same_for_whole_frames() {
+    same("qemu_replay", &replay::frames(&FRAMES).unwrap());
+}
+
+#[test]
+fn the_driver_does_the_same_whatever_goes_wrong() {
+    let made: Vec<_> = FAULTS.iter().flat_map(|scenario| replay::frames(scenario).unwrap()).collect();
+    same("qemu_faults", &made);
+}
+
+#[test]
+fn the_driver_and_the_vision_do_the_same_for_lines() {
+    same("qemu_sobel", &replay::lines(&SOBEL).unwrap());
+    same("qemu_canny", &replay::lines(&CANNY).unwrap());
+}
+
+#[test]
+fn the_scenarios_say_what_their_profiles_say() {
+    for scenario in [SOBEL, CANNY, FRAMES].iter().chain(&FAULTS) {
+        let (ours, theirs) = (scenario.config(), capture_config(&traces::profile(scenario).unwrap()));
+        assert_eq!((ours.sync, ours.geometry()), (theirs.sync, theirs.geometry()), "{}", scenario.name);
+        assert_eq!((ours.edge, ours.bus_width), (theirs.edge, theirs.bus_width), "{}", scenario.name);
     }
 }
 
@@ -111,4 +150,17 @@ fn no_public_algorithm_is_without_an_exercise() {
     }
     assert_eq!(missing, [""; 0]);
     assert_eq!(excused, PARTS.iter().collect(), "every excuse is needed");
+}
+
+/// Beside code: a whole VGA RGB888 frame through capture and Sobel in 32 KiB, through Canny in 128 KiB. The stack comes
+/// on top.
+#[test]
+fn the_statics_of_the_pipelines_fit() {
+    for (image, most) in [("qemu_sobel", 32 << 10), ("qemu_canny", 128 << 10)] {
+        let path = top().join(format!("firmware/boards/mps2/snapshots/{image}.size"));
+        let text = std::fs::read_to_string(path).unwrap();
+        let sizes: Vec<u32> =
+            text.lines().filter_map(|line| line.strip_prefix("ram ")?.parse().ok()).collect();
+        assert!(!sizes.is_empty() && sizes.iter().all(|&ram| ram <= most), "{image}: {sizes:?}");
+    }
 }

@@ -88,7 +88,7 @@ pub(crate) fn run(
     let table = table.ok_or_else(|| anyhow!("{} has no messages of defmt", elf.display()))?;
     let started = Instant::now();
     let mut command = Command::new(PROGRAM);
-    command.args(["-machine", &format!("mps2-{board}"), "-icount", "shift=0"]);
+    command.args(["-machine", &format!("mps2-{board}"), "-icount", "shift=0,sleep=off"]);
     command.args(["-display", "none", "-monitor", "none", "-semihosting-config", "enable=on,target=native"]);
     if !more.contains(&"-serial") {
         command.args(["-serial", "none"]);

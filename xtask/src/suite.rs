@@ -17,7 +17,7 @@ use crate::top;
 const PACKAGE: &str = "mps2";
 
 /// What an image may take at most; the longest takes a tenth of it on an idle machine.
-const DEADLINE: Duration = Duration::from_secs(300);
+const DEADLINE: Duration = Duration::from_secs(60);
 
 /// A message that tells a measured number: `measured NAME NUMBER`.
 const MEASURED: &str = "measured ";

@@ -5,12 +5,14 @@
 //!
 //! | module | what lives there |
 //! |---|---|
+//! | [`replay`] | a trace through block, driver and vision, and a record of what the driver did |
 //! | [`space`] | the picture and all memory that is lent |
 //! | `report` | what an exercise tells: units of work and a checksum |
 //! | `over` | runs a filter over the picture |
 //! | `pixels`, `color`, `filters`, `edges`, `quantize`, `draw`, `clip`, `geometry` | the exercises, by group |
 #![no_std]
 
+pub mod replay;
 pub mod space;
 mod report;
 mod over;

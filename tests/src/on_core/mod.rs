@@ -3,12 +3,17 @@
 //! | module | what lives there |
 //! |---|---|
 //! | [`pictures`] | the pictures on which every algorithm is exercised |
+//! | [`traces`] | the traces of the scenarios |
+//! | [`replay`] | what the host makes of a scenario |
 
 pub mod pictures;
+pub mod traces;
+pub mod replay;
 
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use exercise::replay::scenario::{CANNY, FAULTS, FRAMES, SOBEL};
 
 /// Writes the files that an image opens into `folder`, where it runs.
 ///
@@ -20,6 +25,9 @@ pub fn write_inputs(folder: &Path) -> Result<()> {
     for (name, bytes) in files {
         let path = folder.join(name);
         std::fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    for scenario in [SOBEL, CANNY, FRAMES].iter().chain(&FAULTS) {
+        traces::write(scenario, folder)?;
     }
     Ok(())
 }

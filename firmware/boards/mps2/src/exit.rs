@@ -34,9 +34,12 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     failure()
 }
 
-// SAFETY: an exception that nobody expects; nothing of the interrupted code runs again.
+// SAFETY: interrupts that the rig knows are served by safe code of its own; nothing of what any other interrupted runs
+// again.
 #[exception]
-unsafe fn DefaultHandler(number: i16) -> ! {
-    defmt::error!("unexpected exception {=i16}", number);
-    failure()
+unsafe fn DefaultHandler(number: i16) {
+    if !crate::rig::dispatch(number) {
+        defmt::error!("unexpected exception {=i16}", number);
+        failure()
+    }
 }

@@ -5,8 +5,14 @@
 //! | [`exit`] | how an image ends |
 //! | [`file`](mod@file) | the host's files, by semihosting |
 //! | [`instructions`] | counts what code takes |
+//! | [`rig`] | the camera: the block's model, a timer, a real interrupt |
+//! | [`scene`] | plays scenarios on the rig |
+//! | [`tell`](mod@tell) | says what came of them |
 #![no_std]
 
 pub mod exit;
 pub mod file;
 pub mod instructions;
+pub mod rig;
+pub mod scene;
+pub mod tell;
