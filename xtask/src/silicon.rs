@@ -135,6 +135,15 @@ fn wrong(chip: &Chip, bytes: &[u8]) -> Result<Vec<String>> {
         Some(vector(15)) == symbol("SysTick") && Some(vector(15)) != default,
         format!("SysTick goes to {:#x}, which is not its handler", vector(15)),
     );
+    // Start-up clears from one symbol to the other, whatever lies between: a section that is inserted before the second one
+    // but stands in other memory makes it run through addresses where nothing is, which is a bus fault before `main`.
+    let exact = |name: &str| file.symbols().find(|symbol| symbol.name() == Ok(name)).map(|s| s.address());
+    if let (Some(from), Some(to)) = (exact("__sbss"), exact("__ebss")) {
+        expect(
+            from <= to && from >= chip.statics.start && to <= chip.statics.end,
+            format!("start-up clears {from:#x} to {to:#x}, which is not in {:#x?}", chip.statics),
+        );
+    }
     let frames = file.section_by_name(".frames");
     let (start, size) = frames.as_ref().map_or((0, 0), |section| (section.address(), section.size()));
     expect(
@@ -242,6 +251,12 @@ mod tests {
         assert!(worse(16 + 78, 0x0800_0401).contains("not the handler DCMI"));
         assert!(worse(16 + 56, 0).contains("not the handler DMA2_STREAM0"));
         assert!(worse(15, 0x0800_0401).contains("SysTick"));
+        // Both ends in memory that is there, and nothing between them.
+        let clearing = |from, to| {
+            let symbols = [&symbols[..], &[("__sbss", from), ("__ebss", to)]].concat();
+            found(&vectors, &symbols).iter().any(|line| line.contains("start-up clears"))
+        };
+        assert!(clearing(0x2000_0050, 0x2407_0800) && !clearing(0x2000_0050, 0x2000_02B0));
     }
 
     #[test]
