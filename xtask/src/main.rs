@@ -10,6 +10,7 @@
 //! | `size` | flash and RAM of an image |
 //! | `silicon` | checks the images for silicon as files, and flashes them |
 //! | `suite` | all images, one after the other |
+//! | `board_emu` | images for STM32 on emulated boards |
 
 mod toolchain;
 mod setup;
@@ -19,6 +20,7 @@ mod snapshot;
 mod size;
 mod silicon;
 mod suite;
+mod board_emu;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -54,6 +56,13 @@ enum Command {
     },
     /// Run the images in QEMU and compare with their snapshots
     Qemu(suite::Options),
+    /// Run an image for STM32 on an emulated board: the arguments are those of `board-emu`, such as `run ELF --board …`;
+    /// without any, build all images and test them there
+    BoardEmu {
+        /// Arguments of `board-emu`
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        arguments: Vec<String>,
+    },
     /// Run one image in QEMU and show what it says
     Run {
         /// The image, a name in `firmware/boards/mps2/src/bin/`
@@ -71,6 +80,8 @@ fn main() -> ExitCode {
         Command::CheckBoards { bless } => silicon::check(bless),
         Command::Flash { package } => silicon::flash(&package),
         Command::Qemu(options) => suite::run(&options),
+        Command::BoardEmu { arguments } if arguments.is_empty() => board_emu::test(),
+        Command::BoardEmu { arguments } => board_emu::run(&arguments),
         Command::Run { image, board } => suite::run_one(&image, board),
     };
     match result {

@@ -1,0 +1,83 @@
+//! Runs images for STM32 on the emulated boards of `board-emu/`, a package with a compiler and a lock file of its own.
+//!
+//! The emulator asks for a newer compiler than the project does; Debian's is new enough where the user's is not. The
+//! images that are not the project's own, in `board-emu/images/`, are built for both chips.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::toolchain::Toolchain;
+use crate::{boards, top};
+
+/// The chips, by the names of the board packages and of the features of the other images.
+const CHIPS: [&str; 2] = ["stm32h743", "stm32f429"];
+
+/// The emulator's folder.
+fn folder() -> PathBuf {
+    top().join("board-emu")
+}
+
+/// Builds every image, then runs the emulator's tests on them.
+pub(crate) fn test() -> Result<bool> {
+    let images = build_images()?;
+    let mut cargo = cargo(&["test", "--release"]);
+    cargo.env("CAMIF_IMAGES", &images);
+    Ok(cargo.status().context("cannot start cargo")?.success())
+}
+
+/// Runs `board-emu` with these arguments.
+pub(crate) fn run(arguments: &[String]) -> Result<bool> {
+    let mut cargo = cargo(&["run", "--release", "--quiet"]);
+    cargo.arg("--manifest-path").arg(folder().join("Cargo.toml")).arg("--").args(arguments);
+    cargo.current_dir(std::env::current_dir()?);
+    Ok(cargo.status().context("cannot start cargo")?.success())
+}
+
+/// A cargo in the emulator's folder, with a compiler that is new enough if there is one.
+fn cargo(words: &[&str]) -> Command {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(folder()).args(words).arg("--ignore-rust-version").env("RUSTUP_AUTO_INSTALL", "0");
+    cargo
+}
+
+/// Builds the images of the boards and those in `board-emu/images/`, and puts them into one folder, which it names.
+fn build_images() -> Result<PathBuf> {
+    let into = folder().join("target/images");
+    std::fs::create_dir_all(&into).with_context(|| into.display().to_string())?;
+    let ours = CHIPS.into_iter().filter(|chip| boards::folder().join(chip).is_dir());
+    let ours: Vec<String> = ours.map(str::to_owned).collect();
+    if !ours.is_empty() {
+        for image in boards::build(&ours)? {
+            copy(&image.elf, &into.join(format!("{}-{}.elf", image.name, image.package)))?;
+        }
+    }
+    let toolchain = Toolchain::find()
+        .map_err(|missing| anyhow::anyhow!("{missing:?} is missing for Cortex-M: see `cargo xtask setup`"))?;
+    let sources = folder().join("images");
+    for entry in std::fs::read_dir(&sources).with_context(|| sources.display().to_string())? {
+        let package = entry?.path();
+        let name = package.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        for chip in CHIPS {
+            let target = folder().join("target/foreign").join(chip);
+            let mut build = toolchain.cargo("build");
+            build.current_dir(&package).args(["--locked", "--features", chip]);
+            build
+                .env("CARGO_TARGET_DIR", &target)
+                .env("RUSTFLAGS", "-Clink-arg=-Tlink.x -Clink-arg=--nmagic");
+            let status = build.status().context("cannot start cargo")?;
+            ensure!(status.success(), "{name} does not build for {chip}");
+            let elf = target.join(crate::toolchain::TARGET).join("release").join(&name);
+            copy(&elf, &into.join(format!("{name}-{chip}.elf")))?;
+        }
+    }
+    Ok(into)
+}
+
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    match std::fs::copy(from, to) {
+        Ok(_) => Ok(()),
+        Err(error) => bail!("cannot copy {} to {}: {error}", from.display(), to.display()),
+    }
+}
