@@ -13,6 +13,7 @@
 //! | [`diagnosis`] | what is wrong with a trace, where, and what to change |
 //! | [`picture`] | the bytes of a frame become a picture; files in and out |
 //! | [`pipeline`] | the algorithms by name, on a picture |
+//! | [`capture`] | real cameras: V4L2 |
 //! | [`command`] | the command line |
 #![forbid(unsafe_code)]
 
@@ -25,4 +26,5 @@ pub mod receiver;
 pub mod diagnosis;
 pub mod picture;
 pub mod pipeline;
+pub mod capture;
 pub mod command;

@@ -117,8 +117,11 @@ impl Coefficients {
         [self.luma(first), self.luma(second), chroma(self.blue_difference), chroma(self.red_difference)]
     }
 
+    /// The colour of one sample of each: for layouts other than those of this module. Codes outside the range are
+    /// clamped as colours.
     #[inline(always)]
-    fn decode(&self, luma: u8, cb: u8, cr: u8) -> Rgb {
+    #[must_use]
+    pub fn decode(&self, luma: u8, cb: u8, cr: u8) -> Rgb {
         let gray = (i32::from(luma) - self.black) * self.gray_from_luma + HALF;
         let (cb, cr) = (i32::from(cb) - 128, i32::from(cr) - 128);
         Rgb {

@@ -8,6 +8,8 @@
 //! | `inject` | a trace with faults put in |
 //! | `replay` | a trace becomes frames |
 //! | `process` | a picture file goes through a pipeline |
+//! | `capture` | frames of real cameras, to look at, for the algorithms, as a trace |
+//! | `capture_report` | which cameras there are, and what came of a capture |
 //! | `showcase` | what the demo makes of its first frame |
 //! | `clock` | the clock as it was recovered, for people and as JSON |
 //! | `report` | what came of a replay, for people and as JSON |
@@ -15,6 +17,8 @@
 
 mod bring_up;
 mod clock;
+mod capture;
+mod capture_report;
 mod demo;
 mod generate;
 mod inject;
@@ -24,6 +28,7 @@ mod replay;
 mod report;
 mod showcase;
 
+pub use capture::Capture;
 pub use demo::Demo;
 pub use generate::Generate;
 pub use inject::Inject;
@@ -54,6 +59,8 @@ pub enum Command {
     Replay(Replay),
     /// Run the algorithms of the device on a picture file; `--op help` lists them
     Process(Process),
+    /// Take frames of a real camera: to look at, for --op, or as a trace
+    Capture(Capture),
 }
 
 impl Command {
@@ -68,6 +75,7 @@ impl Command {
             Self::Inject(inject) => inject.run(),
             Self::Replay(replay) => replay.run(),
             Self::Process(process) => process.run(),
+            Self::Capture(capture) => capture.run(),
         }
     }
 }

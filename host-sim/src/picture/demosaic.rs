@@ -7,7 +7,7 @@ use rgb::RGB8;
 /// Colours of a mosaic of 8-bit samples, one line of pixels to each of `rows`: bilinear, as on the device.
 ///
 /// Lines of a single pixel have nothing to interpolate from: they become gray.
-pub(super) fn demosaic(samples: &[u8], order: BayerOrder, rows: &mut [&mut [RGB8]]) {
+pub(crate) fn demosaic(samples: &[u8], order: BayerOrder, rows: &mut [&mut [RGB8]]) {
     let width = rows.first().map_or(0, |row| row.len());
     let (mut window, mut line) = (vec![0; bilinear::window(width)], vec![RGB8::default(); width]);
     let Ok(mut filter) = Bilinear::new(order, BitDepth::Bits8, &mut window, &mut line) else {

@@ -71,7 +71,15 @@ pub fn write_png(path: &Path, picture: &RgbImage) -> Result<(), PictureError> {
 /// # Errors
 /// [`PictureError`] with the file and what the system says.
 pub fn write_raw(path: &Path, bytes: &[u8]) -> Result<(), PictureError> {
-    write_whole(path, |file| file.write_all(bytes))
+    write_pieces(path, &[bytes])
+}
+
+/// The same, of bytes that stand in several places.
+///
+/// # Errors
+/// As [`write_raw`].
+pub fn write_pieces(path: &Path, pieces: &[&[u8]]) -> Result<(), PictureError> {
+    write_whole(path, |file| pieces.iter().try_for_each(|piece| file.write_all(piece)))
 }
 
 fn write_whole(

@@ -16,10 +16,11 @@ mod decode;
 mod crc;
 mod file;
 
-pub use crc::crc32;
+pub use crc::{crc32, crc32_of};
 pub use decode::{Decoded, decode};
+pub(crate) use demosaic::demosaic;
 pub use encode::encode;
-pub use file::{PictureError, read, write_png, write_raw};
+pub use file::{PictureError, read, write_pieces, write_png, write_raw};
 
 /// A picture and a profile of different sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use image::RgbImage;
@@ -53,10 +54,16 @@ impl Still {
     /// with the pixels averaged that fall together.
     #[must_use]
     pub fn scaled(&self, width: u32, height: u32) -> RgbImage {
-        if self.picture.dimensions() == (width, height) {
-            self.picture.clone()
+        Self::fit(&self.picture, width, height).into_owned()
+    }
+
+    /// The same of a picture that is at hand.
+    #[must_use]
+    pub fn fit(picture: &RgbImage, width: u32, height: u32) -> Cow<'_, RgbImage> {
+        if picture.dimensions() == (width, height) {
+            Cow::Borrowed(picture)
         } else {
-            image::imageops::resize(&self.picture, width, height, FilterType::Triangle)
+            Cow::Owned(image::imageops::resize(picture, width, height, FilterType::Triangle))
         }
     }
 }

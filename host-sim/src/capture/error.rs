@@ -1,0 +1,114 @@
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Why frames do not come, or no more of them.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CaptureError {
+    /// The device can't be opened.
+    #[error("{device}: {what}; {remedy}")]
+    Open {
+        /// The device.
+        device: String,
+        /// What the system says.
+        what: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// There is no device to choose from.
+    #[error("no capture device found; `host-sim capture --list` says what to check")]
+    None,
+    /// It was asked for something that it does not have.
+    #[error("{device}: no {kind} `{name}`; there are {known}")]
+    Unknown {
+        /// The device.
+        device: String,
+        /// What kind of thing.
+        kind: &'static str,
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// It does not do what it was asked for.
+    #[error("{device}: {setting} was refused: {what}; {remedy}")]
+    Refused {
+        /// The device.
+        device: String,
+        /// What was asked for.
+        setting: String,
+        /// What the device says.
+        what: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// No frame came in time.
+    #[error(
+        "{device}: no frame for {:.1} s, after {frames} frames; check the camera's cable and signal, take another input, or give it longer with --timeout",
+        waited.as_secs_f64()
+    )]
+    Timeout {
+        /// The device.
+        device: String,
+        /// How long was waited.
+        waited: Duration,
+        /// Frames that came before.
+        frames: u64,
+    },
+    /// It was unplugged, or its driver removed.
+    #[error("{device}: gone after {frames} frames; plug it in again. What came before is whole")]
+    Gone {
+        /// The device.
+        device: String,
+        /// Frames that came before.
+        frames: u64,
+    },
+    /// It stopped by itself.
+    #[error(
+        "{device}: stopped after {frames} frames ({what}); unplug it and plug it in again, and see `dmesg`"
+    )]
+    Stopped {
+        /// The device.
+        device: String,
+        /// Frames that came before.
+        frames: u64,
+        /// What the system says.
+        what: String,
+    },
+    /// Something can't be written.
+    #[error(transparent)]
+    Output(#[from] crate::picture::PictureError),
+    /// The trace can't be written.
+    #[error(transparent)]
+    Trace(#[from] crate::trace::TraceError),
+    /// A frame can't become what was asked for.
+    #[error("{device}: frame {frame}: {what}")]
+    Frame {
+        /// The device.
+        device: String,
+        /// Its number, from 0.
+        frame: u64,
+        /// What is wrong.
+        what: String,
+    },
+    /// A folder can't be made.
+    #[error("{}: the folder cannot be made: {error}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+}
+
+impl CaptureError {
+    /// The same, with the frames that came before it.
+    pub(super) fn after(mut self, count: u64) -> Self {
+        if let Self::Timeout { frames, .. } | Self::Gone { frames, .. } | Self::Stopped { frames, .. } =
+            &mut self
+        {
+            *frames = count;
+        }
+        self
+    }
+}
