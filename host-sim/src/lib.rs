@@ -11,6 +11,7 @@
 //! | [`trace`] | pixel clocks in files: `.camt` and VCD, read and written |
 //! | [`receiver`] | pixel clocks go through block and driver, and frames come out |
 //! | [`diagnosis`] | what is wrong with a trace, where, and what to change |
+//! | [`campaign`] | faults × seeds × profiles, diagnosed without knowing them |
 //! | [`picture`] | the bytes of a frame become a picture; files in and out |
 //! | [`pipeline`] | the algorithms by name, on a picture |
 //! | [`capture`] | real cameras: V4L2 |
@@ -24,6 +25,7 @@ pub mod fault;
 pub mod trace;
 pub mod receiver;
 pub mod diagnosis;
+pub mod campaign;
 pub mod picture;
 pub mod pipeline;
 pub mod capture;

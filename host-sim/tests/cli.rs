@@ -302,3 +302,44 @@ fn a_virtual_sensor_is_brought_up_and_a_wrong_register_shows() {
     assert_eq!(status(&output), 2);
     assert!(stderr(&output).contains("did you mean `ov7670`?"), "{}", stderr(&output));
 }
+
+#[test]
+fn diagnose_names_the_planted_fault_and_mends_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| host_sim(folder.path(), arguments);
+    run(&["generate", "--scene", "demo", "--profile", "ov7670-qvga-yuv422", "--frames", "2", "-o", "a.camt"]);
+    let clean = run(&["diagnose", "a.camt", "--json"]);
+    assert_eq!(status(&clean), 0, "{}", stderr(&clean));
+    assert_eq!(json(&clean)["findings"], Value::Array(Vec::new()));
+
+    for (fault, name) in [
+        ("stuck-bit:bit=5,level=low", "stuck-bit"),
+        ("swapped-bits:a=2,b=6", "swapped-bits"),
+        ("inverted-hsync", "inverted-hsync"),
+        ("short-line:count=3,samples=6", "short-line"),
+    ] {
+        // What an analyser would export.
+        run(&["inject", "a.camt", "--fault", fault, "-o", "b.vcd"]);
+        let profile = ["--profile", "ov7670-qvga-yuv422"];
+        let output = run(&["diagnose", "b.vcd", profile[0], profile[1], "--json", "--fix", "fixed"]);
+        assert_eq!(status(&output), 1, "{fault}: {}", stderr(&output));
+        assert_eq!(json(&output)["findings"][0]["fault"], name, "{}", json(&output));
+    }
+    run(&["inject", "a.camt", "--fault", "inverted-hsync", "-o", "b.camt"]);
+    run(&["diagnose", "b.camt", "--fix", "fixed"]);
+    let fixed = run(&["diagnose", "b.camt", "--profile", "fixed/profile.toml"]);
+    assert_eq!(status(&fixed), 0, "the corrected profile fits");
+    assert!(folder.path().join("fixed/after.png").exists());
+
+    run(&["replay", "a.camt", "--out", "frames"]);
+    let good = run(&["diagnose", "a.camt", "--received", "frames/frame-0001.raw"]);
+    assert_eq!(status(&good), 0, "{}", stderr(&good));
+    let mut bytes = std::fs::read(folder.path().join("frames/frame-0001.raw")).unwrap();
+    bytes.drain(6_400..6_432);
+    bytes.extend([0; 32]);
+    std::fs::write(folder.path().join("torn.raw"), bytes).unwrap();
+    let torn = run(&["diagnose", "a.camt", "--received", "torn.raw", "--json"]);
+    assert_eq!(status(&torn), 1);
+    assert_eq!(json(&torn)["place"], "receiver");
+    assert_eq!(json(&torn)["findings"][0]["line"], 10);
+}

@@ -7,6 +7,8 @@
 //! | `bring_up` | the driver brings a virtual sensor up, for `generate --sensor` |
 //! | `inject` | a trace with faults put in |
 //! | `replay` | a trace becomes frames |
+//! | `diagnose` | what is wrong with a trace |
+//! | `campaign` | faults × seeds × profiles, and the joining of shards |
 //! | `process` | a picture file goes through a pipeline |
 //! | `capture` | frames of real cameras, to look at, for the algorithms, as a trace |
 //! | `capture_report` | which cameras there are, and what came of a capture |
@@ -19,7 +21,9 @@ mod bring_up;
 mod clock;
 mod capture;
 mod capture_report;
+mod campaign;
 mod demo;
+mod diagnose;
 mod generate;
 mod inject;
 mod process;
@@ -28,8 +32,10 @@ mod replay;
 mod report;
 mod showcase;
 
+pub use campaign::{Campaign, Merge};
 pub use capture::Capture;
 pub use demo::Demo;
+pub use diagnose::Diagnose;
 pub use generate::Generate;
 pub use inject::Inject;
 pub use process::Process;
@@ -57,6 +63,12 @@ pub enum Command {
     Inject(Inject),
     /// Play a trace into the camera interface and receive its frames
     Replay(Replay),
+    /// Say what is wrong with a trace, where, and what to change
+    Diagnose(Diagnose),
+    /// Diagnose faults × seeds × profiles and count what is found
+    Campaign(Campaign),
+    /// Join the shards of a campaign
+    Merge(Merge),
     /// Run the algorithms of the device on a picture file; `--op help` lists them
     Process(Process),
     /// Take frames of a real camera: to look at, for --op, or as a trace
@@ -74,6 +86,9 @@ impl Command {
             Self::Generate(generate) => generate.run(),
             Self::Inject(inject) => inject.run(),
             Self::Replay(replay) => replay.run(),
+            Self::Diagnose(diagnose) => diagnose.run(),
+            Self::Campaign(campaign) => campaign.run(),
+            Self::Merge(merge) => merge.run(),
             Self::Process(process) => process.run(),
             Self::Capture(capture) => capture.run(),
         }

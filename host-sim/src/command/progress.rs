@@ -25,3 +25,10 @@ pub(super) fn line() -> ProgressBar {
         ProgressStyle::with_template("{spinner} {msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
     ProgressBar::new_spinner().with_style(style)
 }
+
+/// A bar of cases on stderr; nothing where stderr is no terminal.
+pub(super) fn cases(what: &'static str, total: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} [{bar:40}] {pos}/{len} cases {per_sec} {eta}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(total).with_style(style.progress_chars("━╸ ")).with_message(what)
+}

@@ -10,7 +10,7 @@ use crate::fault::FaultKind;
 pub struct Finding {
     /// The class.
     pub fault: FaultKind,
-    /// How sure it is, 0 to 1; calibrated over campaigns (`docs/diagnosis.md`).
+    /// How sure the rule is, 0 to 1: a score by which findings are ranked; `docs/diagnosis.md` says how often the first is right.
     pub confidence: f64,
     /// The pixel clock at which it shows first, from 0.
     pub at_pclk: u64,

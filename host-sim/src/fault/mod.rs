@@ -40,6 +40,7 @@ pub use inject::Injector;
 pub use kind::{FaultKind, Key, Values};
 pub use random::Random;
 pub use spec::{FaultError, FaultSpec, help};
+pub(crate) use wires::{reverse_bits, swap_bits};
 
 #[cfg(test)]
 mod tests;

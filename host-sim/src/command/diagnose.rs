@@ -1,0 +1,262 @@
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+use serde::Serialize;
+
+use super::report::grouped;
+use super::{Outcome, progress};
+use crate::diagnosis::{
+    Comparison, Diagnosis, FaultKind, MOST_CLOCKS, Place, Recording, Sent, compare, diagnose, fix,
+};
+use crate::picture;
+use crate::profile::Profile;
+use crate::receiver::{Source, capture_config, receive};
+use crate::trace::SignalMap;
+use firmware::camif::Bus;
+
+/// Options of `diagnose`.
+#[derive(Debug, Args)]
+pub struct Diagnose {
+    /// The trace, of any format that `replay` reads
+    trace: PathBuf,
+    /// Built-in profile or TOML file that the trace should fit; without it the one that the trace carries
+    #[arg(long)]
+    profile: Option<String>,
+    /// Which signals are the wires, for instance PCLK=CH0,HSYNC=CH1,D0=CH3
+    #[arg(long, value_name = "WIRE=SIGNAL,…")]
+    map: Option<String>,
+    /// A frame as the device got it, its bytes as DMA wrote them: says whether wires or receiver are at fault
+    #[arg(long, value_name = "FRAME")]
+    received: Option<PathBuf>,
+    /// Writes the corrected profile and the picture before and after to this folder
+    #[arg(long, value_name = "DIR")]
+    fix: Option<PathBuf>,
+    /// Prints one JSON object on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// The JSON of `--json`.
+#[derive(Serialize)]
+struct Report<'a> {
+    trace: String,
+    profile: &'a str,
+    #[serde(flatten)]
+    diagnosis: &'a Diagnosis,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    fixed: Vec<PathBuf>,
+}
+
+impl Diagnose {
+    pub(super) fn run(&self) -> anyhow::Result<Outcome> {
+        let profile = self.profile.as_deref().map(Profile::find).transpose()?;
+        let map = self.map.as_deref().map(SignalMap::parse).transpose()?.unwrap_or_default();
+        let source = Source::open(&self.trace, profile.as_ref(), map)?;
+        for note in source.notes() {
+            eprintln!("note: {note}");
+        }
+        let profile = source.profile();
+        let received = self
+            .received
+            .as_deref()
+            .map(|path| std::fs::read(path).with_context(|| path.display().to_string()))
+            .transpose()?;
+        let bar = progress::bytes("diagnose", source.trace().info().file_bytes);
+        let mut recording = Recording::default();
+        source.play(&mut recording, &mut |bytes| bar.set_position(bytes))?;
+        bar.finish_and_clear();
+        if recording.clocks > MOST_CLOCKS as u64 {
+            eprintln!(
+                "note: looked at the first {} of {} clocks",
+                grouped(MOST_CLOCKS as u64),
+                grouped(recording.clocks)
+            );
+        }
+        let mut diagnosis = diagnose(&recording, profile, source.trace().info().pclk_hz);
+        let frames =
+            if received.is_some() || self.fix.is_some() { frames(&source, profile)? } else { Vec::new() };
+        if let Some(received) = &received {
+            compared(&mut diagnosis, received, &frames, profile, self.received.as_deref())?;
+        }
+        let fixed = match &self.fix {
+            Some(folder) => write_fix(&diagnosis, profile, &source, &frames, folder)?,
+            None => Vec::new(),
+        };
+        if self.json {
+            let trace = self.trace.display().to_string();
+            let report = Report { trace, profile: &profile.name, diagnosis: &diagnosis, fixed };
+            println!("{}", serde_json::to_string_pretty(&report)?);
+        } else {
+            print!("{}", text(&diagnosis, received.is_some()));
+            for path in fixed {
+                println!("written        {}", path.display());
+            }
+        }
+        Ok(if diagnosis.is_clean() { Outcome::Fine } else { Outcome::Fault })
+    }
+}
+
+/// Frames kept to compare with: enough to hold the one before and after whatever a device has.
+const FRAMES: usize = 16;
+
+/// The first frames as block, driver and an ideal bus receive them.
+fn frames(source: &Source, profile: &Profile) -> anyhow::Result<Vec<Sent>> {
+    let mut frames: Vec<Sent> = Vec::new();
+    let (mut ends, per_frame) = (0, profile.clocks_per_frame());
+    let (played, _) = receive(
+        &capture_config(profile),
+        Bus::IDEAL,
+        &mut |frame| {
+            ends += per_frame;
+            if let (Some(bytes), true) = (frame.bytes, frames.len() < FRAMES) {
+                frames.push(Sent { bytes: bytes.to_vec(), end: ends });
+            }
+        },
+        |receiver| source.play(receiver, &mut |_| {}),
+    )
+    .with_context(|| format!("profile {}", profile.name))?;
+    played?;
+    Ok(frames)
+}
+
+/// Puts what the comparison says into the diagnosis.
+fn compared(
+    diagnosis: &mut Diagnosis,
+    received: &[u8],
+    frames: &[Sent],
+    profile: &Profile,
+    path: Option<&Path>,
+) -> anyhow::Result<()> {
+    match compare(received, frames, profile) {
+        Comparison::Same { .. } => {}
+        Comparison::Damaged(finding) => {
+            if diagnosis.is_clean() {
+                diagnosis.place = Place::Receiver;
+            }
+            diagnosis.findings.retain(|other| other.fault != finding.fault);
+            diagnosis.findings.push(*finding);
+            diagnosis.findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
+        }
+        Comparison::Unrelated => {
+            let name = path.unwrap_or(Path::new("the frame")).display();
+            bail!(
+                "{name}: its {} bytes are none of the trace's {} frames, nor damaged ones; give the bytes of a frame that \
+                 passed while the trace was taken, {} of them, as DMA wrote them",
+                received.len(),
+                frames.len(),
+                profile.bytes_per_frame()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Writes what the first finding that can be mended changes.
+fn write_fix(
+    diagnosis: &Diagnosis,
+    profile: &Profile,
+    source: &Source,
+    frames: &[Sent],
+    folder: &Path,
+) -> anyhow::Result<Vec<PathBuf>> {
+    let Some(fix) = diagnosis.findings.iter().find_map(|finding| fix(finding, profile)) else {
+        eprintln!("note: nothing to write: no setting mends what was found");
+        return Ok(Vec::new());
+    };
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+    let mut written = Vec::new();
+    let mut path = |name: &str| {
+        written.push(folder.join(name));
+        folder.join(name)
+    };
+    picture::write_raw(&path("profile.toml"), fix.profile.to_toml().as_bytes())?;
+    if let Some(frame) = frames.first() {
+        picture::write_png(&path("before.png"), &picture::decode(&frame.bytes, profile).picture)?;
+    }
+    // With other levels the frames are others; otherwise these are read anew.
+    let again = self::frames(source, &fix.profile)?;
+    if let Some(frame) = again.first() {
+        let bytes = match fix.samples {
+            Some(samples) => samples.apply(&frame.bytes, &fix.profile),
+            None => frame.bytes.clone(),
+        };
+        picture::write_png(&path("after.png"), &picture::decode(&bytes, &fix.profile).picture)?;
+    }
+    Ok(written)
+}
+
+/// The diagnosis for a terminal.
+fn text(diagnosis: &Diagnosis, compared: bool) -> String {
+    let mut text = String::new();
+    let measured = &diagnosis.measured;
+    // Writing to a string does not fail.
+    let _ = writeln!(
+        text,
+        "{} clocks, {} frames; lines a frame: {}; samples a line: {}",
+        grouped(measured.clocks),
+        measured.frames,
+        histogram(&measured.lines_a_frame),
+        histogram(&measured.samples_a_line)
+    );
+    if diagnosis.is_clean() {
+        let _ = writeln!(
+            text,
+            "no fault found{}",
+            if compared { ": trace and frame are as they should be" } else { "" }
+        );
+        return text;
+    }
+    for (number, finding) in diagnosis.findings.iter().enumerate() {
+        let line = finding.line.map(|line| format!(", line {line}")).unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "\n{}. {} ({:.0} %): {}",
+            number + 1,
+            finding.fault,
+            100.0 * finding.confidence,
+            finding.fault.about()
+        );
+        let _ = writeln!(text, "   where     clock {}{line}", grouped(finding.at_pclk));
+        let _ = writeln!(text, "   evidence  {}", finding.evidence.text);
+        let _ = writeln!(text, "   remedy    {}", finding.remedy.text);
+        for (name, setting) in [("profile", &finding.remedy.profile), ("register", &finding.remedy.register)]
+        {
+            if let Some(setting) = setting {
+                let _ = writeln!(text, "   {name:<9} {setting}");
+            }
+        }
+    }
+    let _ = writeln!(text);
+    if !diagnosis.ambiguous_with.is_empty() {
+        let names: Vec<&str> = diagnosis
+            .ambiguous_with
+            .iter()
+            .map(|kind: &FaultKind| crate::profile::Choice::name(*kind))
+            .collect();
+        let _ = writeln!(text, "looks just like {}; the trace does not tell them apart", names.join(", "));
+    }
+    let _ = writeln!(text, "the cause is in: {}", diagnosis.place);
+    text
+}
+
+/// The most frequent numbers of a histogram.
+fn histogram(counts: &std::collections::BTreeMap<u64, u64>) -> String {
+    let mut sorted: Vec<_> = counts.iter().collect();
+    sorted.sort_by_key(|&(number, count)| (std::cmp::Reverse(*count), *number));
+    let shown: Vec<String> = sorted
+        .iter()
+        .take(3)
+        .map(
+            |(number, count)| {
+                if sorted.len() == 1 { number.to_string() } else { format!("{number} ({count} times)") }
+            },
+        )
+        .collect();
+    match (shown.is_empty(), sorted.len() > 3) {
+        (true, _) => "none".to_owned(),
+        (_, more) => format!("{}{}", shown.join(", "), if more { ", …" } else { "" }),
+    }
+}
