@@ -219,7 +219,7 @@ fn bad_usage_and_input_exit_with_2_and_one_line_that_says_what_to_do() {
         (&["replay", "text.txt"], "text.txt"),
         (&["replay", "cut.camt"], "cut.camt"),
         (&["generate", "--scene", "bar", "-o", "t.camt"], "did you mean `bars`"),
-        (&["generate", "--scene", "bars", "-o", "t.png"], ".camt or .vcd"),
+        (&["generate", "--scene", "bars", "-o", "t.png"], ".camt, .vcd"),
         (&["generate", "--scene", "bars", "-o", "no/such/folder/t.camt"], "no/such/folder"),
         (&["generate", "--scene", "bars", "--profile", "vga-rgb88", "-o", "t.camt"], "vga-rgb888"),
         (&["generate", "--scene", "bars", "--profile", "bad.toml", "-o", "t.camt"], "bits"),
