@@ -27,6 +27,7 @@ pub mod receiver;
 pub mod diagnosis;
 pub mod campaign;
 pub mod picture;
+pub mod guess;
 pub mod pipeline;
 pub mod capture;
 pub mod command;
