@@ -13,6 +13,7 @@
 //! | [`diagnosis`] | what is wrong with a trace, where, and what to change |
 //! | [`campaign`] | faults × seeds × profiles, diagnosed without knowing them |
 //! | [`picture`] | the bytes of a frame become a picture; files in and out |
+//! | [`guess`] | the profile of a trace that has none |
 //! | [`pipeline`] | the algorithms by name, on a picture |
 //! | [`capture`] | real cameras: V4L2 |
 //! | [`command`] | the command line |

@@ -342,4 +342,30 @@ fn diagnose_names_the_planted_fault_and_mends_it() {
     assert_eq!(status(&torn), 1);
     assert_eq!(json(&torn)["place"], "receiver");
     assert_eq!(json(&torn)["findings"][0]["line"], 10);
+fn a_trace_without_a_profile_is_guessed_and_replays_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    for profile in ["ov7670-qvga-yuv422", "vga-raw10"] {
+        let generate = ["generate", "--scene", "demo", "--profile", profile, "--frames", "2", "-o", "t.camt"];
+        assert_eq!(status(&host_sim(folder.path(), &generate)), 0);
+        let guess = ["guess", "t.camt", "--json", "--out", "g", "--profile-out", "guessed.toml"];
+        let output = host_sim(folder.path(), &guess);
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+        let answer = json(&output);
+        assert!(answer["formats"][0]["confidence"].as_f64().unwrap() > 0.4, "{answer}");
+        assert!(image::open(folder.path().join("g/guess.png")).unwrap().width() > 640);
+        let crcs = |profile: &str| -> Vec<Value> {
+            let output = host_sim(folder.path(), &["replay", "t.camt", "--profile", profile, "--json"]);
+            assert_eq!(status(&output), 0, "{profile}: {}", stderr(&output));
+            json(&output)["frames"].as_array().unwrap().iter().map(|frame| frame["crc32"].clone()).collect()
+        };
+        let known = crcs(profile);
+        assert_eq!(known.len(), 2);
+        assert_eq!(crcs("guessed.toml"), known);
+        assert_eq!(crcs("auto"), known);
+    }
+    let vcd = ["generate", "--scene", "bars", "--profile", "ov7670-qvga-yuv422", "-o", "t.vcd"];
+    assert_eq!(status(&host_sim(folder.path(), &vcd)), 0);
+    let output = host_sim(folder.path(), &["replay", "t.vcd", "--json"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    assert!(stderr(&output).contains("guessed yuyv 320×240"), "{}", stderr(&output));
 }

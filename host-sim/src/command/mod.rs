@@ -6,6 +6,7 @@
 //! | `generate` | a scene or picture becomes a trace |
 //! | `bring_up` | the driver brings a virtual sensor up, for `generate --sensor` |
 //! | `inject` | a trace with faults put in |
+//! | `guess` | a trace without a profile gets one |
 //! | `replay` | a trace becomes frames |
 //! | `diagnose` | what is wrong with a trace |
 //! | `campaign` | faults × seeds × profiles, and the joining of shards |
@@ -25,6 +26,7 @@ mod campaign;
 mod demo;
 mod diagnose;
 mod generate;
+mod guess;
 mod inject;
 mod process;
 mod progress;
@@ -37,6 +39,7 @@ pub use capture::Capture;
 pub use demo::Demo;
 pub use diagnose::Diagnose;
 pub use generate::Generate;
+pub use guess::Guess;
 pub use inject::Inject;
 pub use process::Process;
 pub use replay::Replay;
@@ -61,6 +64,8 @@ pub enum Command {
     Generate(Generate),
     /// Put faults into a trace; `--fault help` lists them
     Inject(Inject),
+    /// Find the profile of a trace that has none: sync, frame size, pixel format, each with a confidence
+    Guess(Guess),
     /// Play a trace into the camera interface and receive its frames
     Replay(Replay),
     /// Say what is wrong with a trace, where, and what to change
@@ -85,6 +90,7 @@ impl Command {
             Self::Demo(demo) => demo.run(),
             Self::Generate(generate) => generate.run(),
             Self::Inject(inject) => inject.run(),
+            Self::Guess(guess) => guess.run(),
             Self::Replay(replay) => replay.run(),
             Self::Diagnose(diagnose) => diagnose.run(),
             Self::Campaign(campaign) => campaign.run(),

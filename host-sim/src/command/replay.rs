@@ -8,8 +8,8 @@ use super::clock::{ClockReport, seconds};
 use super::process::{print_help, print_timing};
 use super::report::{Collector, Report};
 use super::{Outcome, progress};
+use crate::guess::profile_for;
 use crate::pipeline::{Pipeline, Runner};
-use crate::profile::Profile;
 use crate::receiver::{Source, capture_config, parse_bus, receive};
 use crate::trace::SignalMap;
 
@@ -18,7 +18,7 @@ use crate::trace::SignalMap;
 pub struct Replay {
     /// The trace: .camt, VCD, sigrok .sr, Saleae digital.csv or folder of binary files, FST; told apart by content
     trace: PathBuf,
-    /// Built-in profile or TOML file; without it the one that the trace carries
+    /// Built-in profile, TOML file, or `auto` to guess it; without it the one that the trace carries, else guessed
     #[arg(long)]
     profile: Option<String>,
     /// Which signals are the wires, for instance PCLK=CH0,HSYNC=CH1,D0=CH3
@@ -58,10 +58,10 @@ impl Replay {
         }
         let mut runner = pipeline.as_ref().map(Runner::new);
         let bus = parse_bus(&self.bus_latency)?;
-        let profile = self.profile.as_deref().map(Profile::find).transpose()?;
         let map = self.map.as_deref().map(SignalMap::parse).transpose()?.unwrap_or_default();
+        let (profile, guessed) = profile_for(&self.trace, self.profile.as_deref(), &map)?;
         let source = Source::open_with(&self.trace, profile.as_ref(), map, self.min_pulse)?;
-        for note in source.notes() {
+        for note in guessed.iter().chain(source.notes()) {
             eprintln!("note: {note}");
         }
         if let Some(out) = &self.out {

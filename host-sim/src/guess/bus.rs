@@ -99,7 +99,11 @@ pub fn guess<E>(
     let (line, bits) = (best.line_clocks as usize, u32::from(known.bits));
     let formats = format::guess(Samples { values: &samples, line, bits });
     let Some(first) = formats.first() else {
-        return Ok(Err(NothingFits::NoFormat { lines: best.lines, clocks: best.line_clocks, bits: known.bits }));
+        return Ok(Err(NothingFits::NoFormat {
+            lines: best.lines,
+            clocks: best.line_clocks,
+            bits: known.bits,
+        }));
     };
     let frame = Frame { height: u32::try_from(best.lines).unwrap_or(u32::MAX), ..first.frame };
     let profile = profile(known, best, frame);
@@ -174,7 +178,8 @@ fn doubts(known: Known, readings: &[SyncGuess], formats: &[FormatGuess]) -> Vec<
             "red and blue may stand exchanged (BGR), which no trace shows: look at the colours".to_owned(),
         ),
         Format::Yuyv | Format::Uyvy => doubts.push(
-            "Cb and Cr may stand exchanged (YVYU, VYUY), which no trace shows: look at the colours".to_owned(),
+            "Cb and Cr may stand exchanged (YVYU, VYUY), which no trace shows: look at the colours"
+                .to_owned(),
         ),
     }
     doubts
@@ -226,7 +231,11 @@ mod tests {
                 let guess = guess_of(&profile, &scene, frames);
                 let place = format!("{} {}", profile.name, scene.name());
                 let (found, bus) = (&guess.profile, profile.bus);
-                assert_eq!(as_far_as_can_be_told(found.frame), as_far_as_can_be_told(profile.frame), "{place}");
+                assert_eq!(
+                    as_far_as_can_be_told(found.frame),
+                    as_far_as_can_be_told(profile.frame),
+                    "{place}"
+                );
                 assert_eq!(found.timing, profile.timing, "{place}");
                 assert_eq!(found.bus, Bus { clock_edge: Edge::Rising, ..bus }, "{place}");
                 assert!(guess.readings[0].confidence > 850, "{place}");

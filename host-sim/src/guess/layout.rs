@@ -165,8 +165,7 @@ mod tests {
         );
         let reading = Reading { mode: SyncMode::Gated, hsync_high: true, vsync_high: true };
         let frames = frames(&survey, reading);
-        let expected =
-            [(false, vec![(0, 1)]), (true, vec![(6, 4), (12, 4)]), (false, vec![(22, 4)])];
+        let expected = [(false, vec![(0, 1)]), (true, vec![(6, 4), (12, 4)]), (false, vec![(22, 4)])];
         assert_eq!(shape(&frames), expected);
         assert_eq!((frames[1].opened, frames[1].closed), (4, 17));
     }

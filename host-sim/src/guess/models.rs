@@ -287,7 +287,9 @@ mod tests {
         let rgb: Vec<u16> =
             (0..8 * 96).map(|n| [200, 90, 20][n % 3] - (n % 96 / 3) as u16 / 2 + grain(n / 3)).collect();
         let yuyv: Vec<u16> = (0..8 * 96)
-            .map(|n| if n % 2 == 0 { (n % 96) as u16 + 5 * grain(n) } else { [100, 160][n / 2 % 2] + grain(n / 4) })
+            .map(|n| {
+                if n % 2 == 0 { (n % 96) as u16 + 5 * grain(n) } else { [100, 160][n / 2 % 2] + grain(n / 4) }
+            })
             .collect();
         for (values, right) in [(rgb, Format::Rgb888), (yuyv, Format::Yuyv)] {
             let costs = [Format::Rgb888, Format::Gray8, Format::Yuyv, Format::Uyvy, Format::Rgb565Le]

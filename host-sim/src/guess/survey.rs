@@ -104,8 +104,7 @@ impl Survey {
 fn code(xy: u16, start: u64) -> Option<Code> {
     let bit = |n: u32| xy >> n & 1 != 0;
     let (field, blank, ends) = (bit(6), bit(5), bit(4));
-    let protected =
-        [(3, blank ^ ends), (2, field ^ ends), (1, field ^ blank), (0, field ^ blank ^ ends)];
+    let protected = [(3, blank ^ ends), (2, field ^ ends), (1, field ^ blank), (0, field ^ blank ^ ends)];
     let right = xy >> 7 == 1 && protected.into_iter().all(|(n, value)| bit(n) == value);
     right.then_some(Code { start, field, blank, ends })
 }

@@ -110,9 +110,10 @@ fn judge(survey: &Survey, reading: Reading) -> Option<(u64, SyncGuess)> {
     };
     // A broken trace is irregular under every reading, so regularity counts, but nothing falls to 0 by it.
     let eased = |per_mille: u64| 200 + per_mille * 4 / 5;
-    let score = [eased(regular), eased(even_frames), data, quiet, 300 + usual_size(line_clocks, height) * 7 / 10]
-        .into_iter()
-        .fold(1000, |score, factor| score * factor / 1000);
+    let score =
+        [eased(regular), eased(even_frames), data, quiet, 300 + usual_size(line_clocks, height) * 7 / 10]
+            .into_iter()
+            .fold(1000, |score, factor| score * factor / 1000);
     let is_usual = |frame: &&&FrameLines| {
         frame.lines.len() as u64 == height && frame.lines.iter().all(|line| line.clocks == line_clocks)
     };

@@ -8,18 +8,18 @@ use crate::trace::polarity::Enough;
 
 /// Collects the samples of lines that stand in the order of time and do not overlap.
 #[derive(Clone, Debug)]
-pub struct Windows<'a> {
+pub(super) struct Windows<'a> {
     lines: &'a [Line],
     /// Number of the next clock.
     clock: u64,
     /// The samples so far, line after line.
-    pub samples: Vec<u16>,
+    pub(super) samples: Vec<u16>,
 }
 
 impl<'a> Windows<'a> {
     /// Nothing collected yet.
     #[must_use]
-    pub fn new(lines: &'a [Line]) -> Self {
+    pub(super) fn new(lines: &'a [Line]) -> Self {
         Self { lines, clock: 0, samples: Vec::new() }
     }
 }
@@ -58,7 +58,8 @@ mod tests {
     #[test]
     fn lines_are_cut_out_of_whatever_stretches_there_are() {
         let data: Vec<u8> = (0..40).collect();
-        let lines = [Line { start: 3, clocks: 4 }, Line { start: 7, clocks: 2 }, Line { start: 20, clocks: 10 }];
+        let lines =
+            [Line { start: 3, clocks: 4 }, Line { start: 7, clocks: 2 }, Line { start: 20, clocks: 10 }];
         for size in [1, 3, 7, 40] {
             let mut windows = Windows::new(&lines);
             let ended = data.chunks(size).map(|part| windows.stretch(Sync::default(), Samples::Bytes(part)));

@@ -18,7 +18,7 @@ mod paint;
 mod bars;
 mod patterns;
 mod demo;
-mod text;
+pub(crate) mod text;
 mod still;
 
 use image::RgbImage;

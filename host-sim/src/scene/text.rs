@@ -50,7 +50,7 @@ impl DrawTarget for Dots<'_> {
 }
 
 /// Writes a line of text; `dot` is the side of a dot in pixels. What does not fit is cut off.
-pub(super) fn write(picture: &mut RgbImage, at: (u32, u32), dot: u32, colour: Rgb<u8>, text: &str) {
+pub(crate) fn write(picture: &mut RgbImage, at: (u32, u32), dot: u32, colour: Rgb<u8>, text: &str) {
     let style = MonoTextStyle::new(&FONT_6X10, BinaryColor::On);
     let mut dots = Dots { picture, at, dot, colour };
     let Ok(_) = Text::with_baseline(text, Point::zero(), style, Baseline::Top).draw(&mut dots);
