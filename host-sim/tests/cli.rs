@@ -342,6 +342,9 @@ fn diagnose_names_the_planted_fault_and_mends_it() {
     assert_eq!(status(&torn), 1);
     assert_eq!(json(&torn)["place"], "receiver");
     assert_eq!(json(&torn)["findings"][0]["line"], 10);
+}
+
+#[test]
 fn a_trace_without_a_profile_is_guessed_and_replays_to_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     for profile in ["ov7670-qvga-yuv422", "vga-raw10"] {
