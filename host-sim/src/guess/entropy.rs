@@ -16,7 +16,7 @@ pub fn log2(value: u64) -> u64 {
     let mut mantissa = if whole > 31 { value >> (whole - 31) } else { value << (31 - whole) };
     let mut result = u64::from(whole);
     for _ in 0..POINT {
-        mantissa = mantissa * mantissa >> 31;
+        mantissa = (mantissa * mantissa) >> 31;
         result <<= 1;
         if mantissa >= 1 << 32 {
             mantissa >>= 1;

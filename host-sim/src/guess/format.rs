@@ -60,7 +60,7 @@ pub fn guess(samples: Samples<'_>) -> Vec<FormatGuess> {
         .map(|(frame, cost)| {
             let excess = cost.saturating_sub(best) * 1000 / best;
             let usual_size = geometry::usual(frame.width, frame.height);
-            let millibits = cost * 1000 >> (POINT + 8);
+            let millibits = (cost * 1000) >> (POINT + 8);
             let weight = usual_size * half_to_the(excess, HALVES);
             (weight, FormatGuess { frame, confidence: 0, millibits, usual_size })
         })
@@ -99,7 +99,7 @@ fn frames(samples: Samples<'_>, height: u32) -> impl Iterator<Item = Frame> {
         // Values beyond a format's depth are not of that format.
         wide_enough && u32::from(used) >> needed == 0
     };
-    let shallowest = [Format::Raw12, Format::Raw10].into_iter().filter(move |&format| fits(format)).last();
+    let shallowest = [Format::Raw10, Format::Raw12].into_iter().find(|&format| fits(format));
     Format::ALL.into_iter().filter(move |&format| fits(format)).flat_map(move |format| {
         let frame = Frame { width: 0, height, format, bayer: BayerOrder::Rggb };
         let per_pixel = frame.samples_per_pixel();

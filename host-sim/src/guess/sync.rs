@@ -196,7 +196,7 @@ fn gated_life(survey: &Survey, reading: Reading) -> (u64, String) {
     let [resting, living] =
         split(survey, |sync| sync.hsync != reading.hsync_high && sync.vsync != reading.vsync_high).map(rate);
     // Nothing moves at all: as good as it can be told.
-    let share = if living + resting == 0 { 500 } else { living * 1000 / (living + resting) };
+    let share = (living * 1000).checked_div(living + resting).unwrap_or(500);
     (share, format!("data changes at {living} ‰ of the clocks in lines and {resting} ‰ outside"))
 }
 
@@ -210,7 +210,7 @@ fn marker_life(survey: &Survey, reading: Reading, line_clocks: u64) -> Option<(u
         return None;
     }
     let (inside, outside) = (rate(pulses), rate(elsewhere));
-    let alike = if inside + outside == 0 { 500 } else { (inside * 2000 / (inside + outside)).min(1000) };
+    let alike = (inside * 2000).checked_div(inside + outside).unwrap_or(500).min(1000);
     // The first column of a picture may well be plain.
     let share = 700 + alike * 3 / 10;
     let words = format!("data changes at {inside} ‰ of the clocks under HSYNC and {outside} ‰ elsewhere");
