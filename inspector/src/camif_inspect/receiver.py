@@ -1,0 +1,448 @@
+"""Bytes of the link become frames, log and statistics.
+
+Pure: no port, no clock, no thread. Whatever is lost, hit, doubled or put in, every undamaged packet is used and no pixel
+is put anywhere but in its own place; a receiver is in step again at the next delimiter.
+
+Lines are most of what comes, so they take a short way: lines of one frame that arrive together are checked one by one
+(stuffing and CRC, both in C), and decoded and put in their places together, by numpy.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+from cobs import cobs
+
+from . import encodings
+from .formats import FORMATS, INDEX8, PixelFormat
+from .frame import Frame
+from .packet import (
+    CRC_RESIDUE,
+    DELIMITER,
+    LARGEST_WIRE,
+    LEAST_BODY,
+    VERSION,
+    FrameEnd,
+    FrameStart,
+    Heartbeat,
+    Hello,
+    Kind,
+    Log,
+    Malformed,
+    OtherVersion,
+    Palette,
+    Reply,
+    StreamInfo,
+    UnknownKind,
+    parse,
+)
+
+Event = Hello | StreamInfo | Palette | Frame | Heartbeat | Log | Reply | OtherVersion
+
+# Closed frames kept for lines that are sent again.
+_KEPT_FRAMES = 2
+_LINE_HEAD = 14
+_LINE_BEGINS = bytes((VERSION, Kind.LINE))
+_HALF = 1 << 15
+
+
+@dataclass
+class Counts:
+    """What has come since the receiver was made.
+
+    Attributes:
+        bytes: bytes, delimiters included.
+        received: packets that were used.
+        damaged: pieces between delimiters that are no packet: CRC errors and the like.
+        malformed: packets whose CRC is right and whose content is not.
+        other_version: packets of another protocol version.
+        unknown_kind: packets of a kind that is not known here.
+        fragments: pieces of a packet cut off by the beginning of listening.
+        lines: lines, or pieces of them, put in their places.
+        lines_unfit: lines that fit nowhere: outside the picture, or of a frame that is gone.
+        frames: frames that are over.
+        frames_whole: of these, those without any fault.
+        frames_bad_verdict: of these, those with another verdict than good.
+        frames_bad_crc: of these, those whose own CRC is wrong: a fault of the device.
+        frames_endless: of these, those whose end was lost.
+        lines_lost: lines that the link lost.
+    """
+
+    bytes: int = 0
+    received: int = 0
+    damaged: int = 0
+    malformed: int = 0
+    other_version: int = 0
+    unknown_kind: int = 0
+    fragments: int = 0
+    lines: int = 0
+    lines_unfit: int = 0
+    frames: int = 0
+    frames_whole: int = 0
+    frames_bad_verdict: int = 0
+    frames_bad_crc: int = 0
+    frames_endless: int = 0
+    lines_lost: int = 0
+
+
+@dataclass
+class Stream:
+    """What is known of a stream, and its frames.
+
+    Attributes:
+        number: its number.
+        info: what the device said last about it.
+        open: the frame that is arriving.
+        kept: frames that are over, the latest last.
+        frames: frames that are over, counted.
+    """
+
+    number: int
+    info: StreamInfo | None = None
+    open: Frame | None = None
+    kept: list[Frame] = field(default_factory=list)
+    frames: int = 0
+    size: tuple[int, int] | None = None
+    meaning: int = 0
+    last_sequence: int | None = None
+
+    @property
+    def name(self) -> str:
+        """The stream's name, or its number."""
+        return self.info.name if self.info and self.info.name else f"stream {self.number}"
+
+
+class Receiver:
+    """Takes bytes as they come, in pieces of any length, and gives what they mean."""
+
+    def __init__(self, joins_midway: bool = False) -> None:
+        """Start with nothing. With `joins_midway` the piece up to the first delimiter may be the end of a packet."""
+        self.counts = Counts()
+        self.versions: Counter[int] = Counter()
+        self.streams: dict[int, Stream] = {}
+        self.palettes: dict[int, bytes] = {}
+        self.hello: Hello | None = None
+        self.session: int | None = None
+        self.heartbeat: Heartbeat | None = None
+        self._tail = b""
+        self._overlong = False
+        self._joining = joins_midway
+        self._batch: list[bytes] = []
+        self._batch_key = b""
+        self._events: list[Event] = []
+
+    def rejoin(self) -> None:
+        """Start anew in the middle of the stream, as after a lost connection; what is known stays known."""
+        self._tail = b""
+        self._overlong = False
+        self._joining = True
+
+    def feed(self, data: bytes) -> list[Event]:
+        """Take bytes; give the events that they complete, in order."""
+        self.counts.bytes += len(data)
+        pieces = (self._tail + data if self._tail else data).split(DELIMITER)
+        self._tail = pieces.pop()
+        if self._overlong and pieces:
+            # The rest of what was too long, and was counted then.
+            pieces[0] = b""
+            self._overlong = False
+        if len(self._tail) > LARGEST_WIRE:
+            if not self._overlong:
+                self._damage()
+            self._overlong = True
+        if self._overlong:
+            self._tail = b""
+        if self._joining and pieces:
+            self._joining = False
+            self._first(pieces)
+
+        # The hot loop: everything that happens once a packet is here.
+        decode, crc32 = cobs.decode, zlib.crc32
+        for wire in pieces:
+            if not wire:
+                continue
+            try:
+                body = decode(wire)
+            except cobs.DecodeError:
+                self._damage()
+                continue
+            if crc32(body) != CRC_RESIDUE or len(body) < LEAST_BODY or len(wire) > LARGEST_WIRE:
+                self._damage()
+            elif body[4:10] == self._batch_key and body[:2] == _LINE_BEGINS and body[12:14] == b"\0\0":
+                self._batch.append(body)
+            else:
+                self._packet(body)
+        self._flush()
+        events, self._events = self._events, []
+        return events
+
+    def _first(self, pieces: list[bytes]) -> None:
+        """Forgive the first piece after joining midway if it is only the end of a packet."""
+        try:
+            body = cobs.decode(pieces[0])
+        except cobs.DecodeError:
+            body = b""
+        if pieces[0] and (len(body) < LEAST_BODY or zlib.crc32(body) != CRC_RESIDUE):
+            self.counts.fragments += 1
+            pieces[0] = b""
+
+    def _damage(self) -> None:
+        self.counts.damaged += 1
+
+    def _packet(self, body: bytes) -> None:
+        """Take a body whose CRC is right, and which does not continue the batch."""
+        self._flush()
+        if body[:2] == _LINE_BEGINS and len(body) >= _LINE_HEAD + 4:
+            # A line begins a batch of its stream, format, encoding and frame.
+            self._batch.append(body)
+            self._batch_key = body[4:10]
+            return
+        try:
+            packet = parse(body)
+        except Malformed:
+            self.counts.malformed += 1
+            return
+        if isinstance(packet, OtherVersion):
+            self.counts.other_version += 1
+            self.versions[packet.version] += 1
+            self._events.append(packet)
+        elif isinstance(packet, UnknownKind):
+            self.counts.unknown_kind += 1
+        else:
+            self.counts.received += 1
+            self._take(packet)
+
+    def _take(self, packet: object) -> None:
+        if isinstance(packet, Hello):
+            self._session(packet.session)
+            self.hello = packet
+        elif isinstance(packet, StreamInfo):
+            stream = self._stream(packet.stream)
+            stream.info = packet
+            stream.size, stream.meaning = (packet.width, packet.height), packet.meaning
+        elif isinstance(packet, Palette):
+            self._palette(packet)
+        elif isinstance(packet, FrameStart):
+            self._frame_starts(packet)
+            return
+        elif isinstance(packet, FrameEnd):
+            self._frame_ends(packet)
+            return
+        elif isinstance(packet, Heartbeat):
+            self._session(packet.session)
+            self.heartbeat = packet
+        if isinstance(packet, Hello | StreamInfo | Palette | Heartbeat | Log | Reply):
+            self._events.append(packet)
+
+    # Streams and frames.
+
+    def _stream(self, number: int) -> Stream:
+        if number not in self.streams:
+            self.streams[number] = Stream(number)
+        return self.streams[number]
+
+    def _session(self, session: int) -> None:
+        """Notice a device that has started anew: its frame numbers begin again."""
+        if self.session not in (None, session):
+            for stream in self.streams.values():
+                self._close(stream, None)
+                stream.kept.clear()
+                stream.last_sequence = None
+        self.session = session
+
+    def _palette(self, palette: Palette) -> None:
+        self.palettes[palette.crc] = palette.colors
+        while len(self.palettes) > 64:
+            del self.palettes[next(iter(self.palettes))]
+        for frame in self._frames(self._stream(palette.stream)):
+            if frame.palette is None and frame.palette_crc == palette.crc and frame.format.code == INDEX8:
+                frame.palette = palette.colors
+                frame.changes += 1
+
+    @staticmethod
+    def _frames(stream: Stream) -> list[Frame]:
+        return [*stream.kept, stream.open] if stream.open else list(stream.kept)
+
+    def _open(self, stream: Stream, sequence: int, code: int, size: tuple[int, int], meaning: int) -> Frame:
+        self._close(stream, None)
+        frame = Frame(stream.number, sequence, FORMATS[code], *size, meaning=meaning)
+        frame.name = stream.info.name if stream.info else ""
+        stream.open = frame
+        stream.last_sequence = sequence
+        return frame
+
+    def _close(self, stream: Stream, end: FrameEnd | None) -> None:
+        frame = stream.open
+        if frame is None:
+            return
+        frame.close(end)
+        stream.open = None
+        stream.kept = [*stream.kept, frame][-_KEPT_FRAMES:]
+        stream.frames += 1
+        counts = self.counts
+        counts.frames += 1
+        counts.frames_whole += frame.whole
+        counts.frames_bad_verdict += end is not None and end.verdict != 0
+        counts.frames_bad_crc += frame.crc_ok is False
+        counts.frames_endless += end is None
+        frame.lost_counted = frame.lost_lines
+        counts.lines_lost += frame.lost_counted
+        self._events.append(frame)
+
+    def _frame_starts(self, start: FrameStart) -> None:
+        if start.format not in FORMATS:
+            return
+        stream = self._stream(start.stream)
+        frame = stream.open
+        size = (start.width, start.height)
+        if frame is not None and _is(frame, start.sequence) and frame.format.code == start.format:
+            frame.sequence, frame.sequence_known = start.sequence, True
+            stream.last_sequence = start.sequence
+        else:
+            if stream.last_sequence is not None and _after(start.sequence, stream.last_sequence) <= 0:
+                # The beginning of a frame that is over, or open already, once more.
+                return
+            frame = self._open(stream, start.sequence, start.format, size, start.meaning)
+        frame.resize(*size)
+        frame.meaning = start.meaning
+        frame.captured_at = start.captured_at
+        frame.snapshot = start.snapshot
+        frame.palette_crc = start.palette_crc
+        if start.format == INDEX8:
+            frame.palette = self.palettes.get(start.palette_crc)
+        frame.changes += 1
+        stream.size, stream.meaning = size, start.meaning
+
+    def _frame_ends(self, end: FrameEnd) -> None:
+        stream = self._stream(end.stream)
+        stream.size = (end.width, end.height)
+        if stream.open is not None and _is(stream.open, end.sequence):
+            stream.open.sequence = stream.last_sequence = end.sequence
+        else:
+            if stream.last_sequence is not None and _after(end.sequence, stream.last_sequence) <= 0:
+                return
+            # Not a line of it has come: a frame all of whose lines are missing.
+            code = self._format_of(stream)
+            if code not in FORMATS:
+                return
+            self._open(stream, end.sequence, code, stream.size, stream.meaning)
+        self._close(stream, end)
+
+    @staticmethod
+    def _format_of(stream: Stream) -> int:
+        if stream.info is not None:
+            return stream.info.format
+        return stream.kept[-1].format.code if stream.kept else 0
+
+    # Lines.
+
+    def _flush(self) -> None:
+        """Decode the lines of the batch and put them in their places."""
+        batch = self._batch
+        if not batch:
+            return
+        self._batch, self._batch_key = [], b""
+        head = batch[0]
+        code, encoding, unused = head[5], head[6] & 15, head[6] >> 4 & 7
+        pixel_format = FORMATS.get(code)
+        if pixel_format is None or encoding not in encodings.NAMES or encoding == encodings.SENDER_CHOOSES:
+            # Of a later edition of this version: ignored, but a packet all the same.
+            self.counts.received += len(batch)
+            self.counts.lines_unfit += len(batch)
+        elif len(batch) == 1 or not self._lines(batch, pixel_format, encoding, unused):
+            for body in batch:
+                self._line(body, pixel_format, encoding, unused)
+
+    def _lines(self, batch: list[bytes], pixel_format: PixelFormat, encoding: int, unused: int) -> bool:
+        """Take a batch whole; False, and nothing done, if it is not as plain as batches are."""
+        count = len(batch)
+        lengths = [len(body) for body in batch]
+        text = b"".join(batch)
+        if min(lengths) == max(lengths):
+            table = np.frombuffer(text, np.uint8).reshape(count, -1)
+            heads = table[:, :_LINE_HEAD]
+        else:
+            table = None
+            heads = np.frombuffer(b"".join([body[:_LINE_HEAD] for body in batch]), np.uint8).reshape(count, -1)
+        words = np.ascontiguousarray(heads).view("<u2")
+        if np.any(words[:, 1] != np.array(lengths) - LEAST_BODY):
+            return False
+        lines = words[:, 5].astype(np.int64)
+        try:
+            if encoding == encodings.RAW and table is not None:
+                rows = table[:, _LINE_HEAD:-4]
+            else:
+                payloads = [body[_LINE_HEAD:-4] for body in batch]
+                pixels, counts = encodings.decode(encoding, unused, payloads, pixel_format)
+                if np.any(counts != counts[0]):
+                    return False
+                rows = pixels.reshape(count, -1)
+        except Malformed:
+            return False
+        frame = self._frame_of_line(batch[0])
+        if frame is None or frame.format is not pixel_format or not frame.put_lines(lines, rows):
+            return False
+        self.counts.received += count
+        self.counts.lines += count
+        if frame.closed:
+            self._repaired(frame)
+        return True
+
+    def _line(self, body: bytes, pixel_format: PixelFormat, encoding: int, unused: int) -> None:
+        """Take one line, or a piece of one."""
+        try:
+            if body[2] | body[3] << 8 != len(body) - LEAST_BODY:
+                raise Malformed("the length is not that of the body")
+            pixels, _ = encodings.decode(encoding, unused, [body[_LINE_HEAD:-4]], pixel_format)
+        except Malformed:
+            self.counts.malformed += 1
+            return
+        frame = self._frame_of_line(body)
+        line, first = body[10] | body[11] << 8, body[12] | body[13] << 8
+        fits = frame is not None and frame.format is pixel_format and frame.put_piece(line, first, pixels)
+        self.counts.received += 1
+        self.counts.lines += fits
+        self.counts.lines_unfit += not fits
+        if fits and frame is not None and frame.closed:
+            self._repaired(frame)
+
+    def _frame_of_line(self, head: bytes) -> Frame | None:
+        """Find the frame that a line belongs to by the low 16 bits of its number; a newer one begins here."""
+        stream = self._stream(head[4])
+        low, again = head[8] | head[9] << 8, head[7] & 1
+        if stream.open is not None and stream.open.sequence & 0xFFFF == low:
+            return stream.open
+        last = stream.last_sequence
+        distance = 1 if last is None else (low - last + _HALF) % (2 * _HALF) - _HALF
+        if again or distance <= 0:
+            kept = (frame for frame in stream.kept if frame.sequence & 0xFFFF == low)
+            return next(kept, None)
+        if stream.size is None:
+            return None
+        frame = self._open(
+            stream, low if last is None else last + distance, head[5], stream.size, stream.meaning
+        )
+        frame.sequence_known = last is not None
+        return frame
+
+    def _repaired(self, frame: Frame) -> None:
+        """Count a frame that is over anew, after lines of it were sent again."""
+        was_whole, was_bad = frame.crc_ok is not None and frame.whole, frame.crc_ok is False
+        frame.check()
+        self.counts.frames_whole += frame.whole - was_whole
+        self.counts.frames_bad_crc += (frame.crc_ok is False) - was_bad
+        self.counts.lines_lost += frame.lost_lines - frame.lost_counted
+        frame.lost_counted = frame.lost_lines
+
+
+def _is(frame: Frame, sequence: int) -> bool:
+    """Whether a frame, of whose number only the low half may be known, is the one of this number."""
+    return frame.sequence == sequence or (not frame.sequence_known and frame.sequence == sequence & 0xFFFF)
+
+
+def _after(sequence: int, last: int) -> int:
+    """How far a frame's number is after another, modulo 2³²."""
+    return (sequence - last + (1 << 31)) % (1 << 32) - (1 << 31)
