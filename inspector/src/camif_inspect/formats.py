@@ -93,13 +93,15 @@ def values(data: Bytes, pixel_format: PixelFormat, width: int) -> Values:
         return np.stack(expanded, axis=-1).astype(np.uint8)
     if code in (YUYV, UYVY):
         units = data.reshape(height, width // 2, 4)
-        luma, chroma = (units[:, :, 0::2], units[:, :, 1::2]) if code == YUYV else (units[:, :, 1::2], units[:, :, 0::2])
+        luma, chroma = (
+            (units[:, :, 0::2], units[:, :, 1::2]) if code == YUYV else (units[:, :, 1::2], units[:, :, 0::2])
+        )
         planes = np.empty((height, width, 3), np.uint8)
         planes[:, :, 0] = luma.reshape(height, width)
         planes[:, :, 1:] = np.repeat(chroma, 2, axis=1)
         return planes
     if code in (RAW10, RAW12):
-        samples: npt.NDArray[np.uint16] = data.view("<u2").astype(np.uint16) & ((1 << pixel_format.bits) - 1)
+        samples: npt.NDArray[np.uint16] = data.view("<u2").astype(np.uint16) & np.uint16((1 << pixel_format.bits) - 1)
         return samples
     return data.reshape(height, width)
 
@@ -186,5 +188,3 @@ def demosaic(samples: Bytes, order: str) -> Bytes:
                 out[(*place, 1)] = beside[place]
                 out[(*place, other)] = corners[place]
     return out
-
-

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass, field
+from enum import Enum
 
 import numpy as np
 import numpy.typing as npt
 
 from .formats import Bytes, PixelFormat, Values, to_rgb, values
 from .packet import FrameEnd, Verdict, verdict_name
+
+
+class Placement(Enum):
+    """What became of a line."""
+
+    PUT = "put in its place"
+    DROPPED = "not needed, or not usable without what was lost before it"
+    UNFIT = "outside the picture"
 
 
 @dataclass(eq=False)
@@ -95,12 +104,12 @@ class Frame:
     @property
     def present(self) -> npt.NDArray[np.bool_]:
         """For each line whether it is there, whole."""
-        return self.reached == self.width
+        return np.equal(self.reached, self.width)
 
     @property
     def missing(self) -> npt.NDArray[np.bool_]:
         """For each line whether it is missing, or a part of it."""
-        return self.reached != self.width
+        return np.not_equal(self.reached, self.width)
 
     @property
     def missing_lines(self) -> list[int]:
@@ -154,25 +163,21 @@ class Frame:
         self.changes += 1
         return True
 
-    def put_piece(self, line: int, first: int, pixels: Bytes) -> bool:
-        """Put a line, or a piece of one, in its place; False if it fits nowhere."""
+    def put_piece(self, line: int, first: int, pixels: Bytes) -> Placement:
+        """Put a line, or a piece of one, in its place."""
         unit = self.format
-        if line >= self.height or first % unit.unit_pixels:
-            return False
         until = first + pixels.size // unit.unit_bytes * unit.unit_pixels
-        if until > self.width:
-            return False
+        if line >= self.height or first % unit.unit_pixels or until > self.width:
+            return Placement.UNFIT
         reached = self.reached[line]
-        if reached == self.width:
-            # There already: the one that came first stays.
-            return True
-        if first not in (0, reached):
-            return False
+        if reached == self.width or first not in (0, reached):
+            # There already: what came first stays. Or a piece whose left neighbour is lost.
+            return Placement.DROPPED
         begin = unit.row_bytes(first)
         self.data[line, begin : begin + pixels.size] = pixels
         self.reached[line] = until
         self.changes += 1
-        return True
+        return Placement.PUT
 
     def resize(self, width: int, height: int) -> None:
         """Take another size: lines and pixels keep their places; a line longer than that is missing."""
@@ -208,4 +213,4 @@ class Frame:
         present = self.present
         if np.count_nonzero(present) == self.end.lines_sent:
             rows = self.data if present.all() else self.data[present]
-            self.crc_ok = zlib.crc32(np.ascontiguousarray(rows)) == self.end.frame_crc
+            self.crc_ok = zlib.crc32(np.ascontiguousarray(rows).data) == self.end.frame_crc

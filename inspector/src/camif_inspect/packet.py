@@ -180,8 +180,8 @@ class FrameEnd:
     """A frame is over."""
 
     stream: int
+    format: int
     verdict: int
-    lines_sent: int
     sequence: int
     width: int
     height: int
@@ -194,6 +194,7 @@ class FrameEnd:
     dropped: int
     bytes_sent: int
     frame_crc: int
+    lines_sent: int
 
 
 @dataclass(frozen=True)
@@ -273,17 +274,7 @@ class UnknownKind:
 
 
 Packet = (
-    Hello
-    | StreamInfo
-    | Palette
-    | FrameStart
-    | Line
-    | FrameEnd
-    | Heartbeat
-    | Log
-    | Reply
-    | OtherVersion
-    | UnknownKind
+    Hello | StreamInfo | Palette | FrameStart | Line | FrameEnd | Heartbeat | Log | Reply | OtherVersion | UnknownKind
 )
 
 _HELLO = struct.Struct("<4s2B2HBxIHxxI")
@@ -291,7 +282,7 @@ _STREAM = struct.Struct("<4B2H2Bxx")
 _PALETTE = struct.Struct("<BxH")
 _FRAME = struct.Struct("<4BI2HQI")
 _LINE = struct.Struct("<4B3H")
-_END = struct.Struct("<2BHI2H9I")
+_END = struct.Struct("<3BxI2H9IHxx")
 _HEARTBEAT = struct.Struct("<IQ14I2Bxx")
 _LOG = struct.Struct("<2BHQ")
 _REPLY = struct.Struct("<H2B")
@@ -335,9 +326,7 @@ def _hello(content: bytes) -> Hello:
     magic, oldest, newest, received, sent, streams, commands, encodings, session = _HELLO.unpack_from(content)
     if magic != b"CAMI":
         raise Malformed("a HELLO without CAMI")
-    return Hello(
-        oldest, newest, received, sent, streams, commands, encodings, session, _text(content[_HELLO.size :])
-    )
+    return Hello(oldest, newest, received, sent, streams, commands, encodings, session, _text(content[_HELLO.size :]))
 
 
 def _stream(content: bytes) -> StreamInfo:
@@ -366,12 +355,19 @@ def _line(content: bytes) -> Line:
     stream, pixel_format, bits, flags, sequence, line, first = _LINE.unpack_from(content)
     encoding, unused = bits & 0x0F, bits >> 4 & 0x07
     payload = content[_LINE.size :]
+    if unused and not payload:
+        raise Malformed("more unused bits than bits")
     return Line(stream, pixel_format, encoding, unused, bool(flags & 1), sequence, line, first, payload)
 
 
 def _log(content: bytes) -> Log:
     level, flags, lost, time = _LOG.unpack_from(content)
     return Log(level, bool(flags & 1), lost, time, _text(content[_LOG.size :]))
+
+
+def _reply(content: bytes) -> Reply:
+    request, command, status = _REPLY.unpack_from(content)
+    return Reply(request, command, status, content[_REPLY.size :])
 
 
 _PARSERS = {
@@ -383,10 +379,7 @@ _PARSERS = {
     Kind.END: (_END.size, lambda content: FrameEnd(*_END.unpack_from(content))),
     Kind.HEARTBEAT: (_HEARTBEAT.size, lambda content: Heartbeat(*_HEARTBEAT.unpack_from(content))),
     Kind.LOG: (_LOG.size, _log),
-    Kind.REPLY: (
-        _REPLY.size,
-        lambda content: Reply(*_REPLY.unpack_from(content), content[_REPLY.size :]),
-    ),
+    Kind.REPLY: (_REPLY.size, _reply),
 }
 
 

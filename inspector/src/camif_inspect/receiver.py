@@ -1,7 +1,7 @@
 """Bytes of the link become frames, log and statistics.
 
-Pure: no port, no clock, no thread. Whatever is lost, hit, doubled or put in, every undamaged packet is used and no pixel
-is put anywhere but in its own place; a receiver is in step again at the next delimiter.
+Pure: no port, no clock, no thread. Whatever is lost, hit, doubled or put in, every undamaged packet is used and no
+pixel is put anywhere but in its own place; a receiver is in step again at the next delimiter.
 
 Lines are most of what comes, so they take a short way: lines of one frame that arrive together are checked one by one
 (stuffing and CRC, both in C), and decoded and put in their places together, by numpy.
@@ -18,7 +18,7 @@ from cobs import cobs
 
 from . import encodings
 from .formats import FORMATS, INDEX8, PixelFormat
-from .frame import Frame
+from .frame import Frame, Placement
 from .packet import (
     CRC_RESIDUE,
     DELIMITER,
@@ -62,7 +62,7 @@ class Counts:
         unknown_kind: packets of a kind that is not known here.
         fragments: pieces of a packet cut off by the beginning of listening.
         lines: lines, or pieces of them, put in their places.
-        lines_unfit: lines that fit nowhere: outside the picture, or of a frame that is gone.
+        unfit: lines that fit nowhere: outside the picture, with a broken payload, or of a frame that is gone.
         frames: frames that are over.
         frames_whole: of these, those without any fault.
         frames_bad_verdict: of these, those with another verdict than good.
@@ -79,7 +79,7 @@ class Counts:
     unknown_kind: int = 0
     fragments: int = 0
     lines: int = 0
-    lines_unfit: int = 0
+    unfit: int = 0
     frames: int = 0
     frames_whole: int = 0
     frames_bad_verdict: int = 0
@@ -217,7 +217,7 @@ class Receiver:
 
     def _take(self, packet: object) -> None:
         if isinstance(packet, Hello):
-            self._session(packet.session)
+            self._session(packet.session, hello=True)
             self.hello = packet
         elif isinstance(packet, StreamInfo):
             stream = self._stream(packet.stream)
@@ -244,9 +244,9 @@ class Receiver:
             self.streams[number] = Stream(number)
         return self.streams[number]
 
-    def _session(self, session: int) -> None:
+    def _session(self, session: int, hello: bool = False) -> None:
         """Notice a device that has started anew: its frame numbers begin again."""
-        if self.session not in (None, session):
+        if self.session != session and (hello or self.session is not None):
             for stream in self.streams.values():
                 self._close(stream, None)
                 stream.kept.clear()
@@ -322,20 +322,19 @@ class Receiver:
         if stream.open is not None and _is(stream.open, end.sequence):
             stream.open.sequence = stream.last_sequence = end.sequence
         else:
+            if end.format not in FORMATS:
+                return
             if stream.last_sequence is not None and _after(end.sequence, stream.last_sequence) <= 0:
+                for frame in stream.kept:
+                    if _is(frame, end.sequence) and frame.end is None:
+                        self.counts.frames_endless -= 1
+                        self.counts.frames_bad_verdict += end.verdict != 0
+                        frame.close(end)
+                        self._repaired(frame)
                 return
             # Not a line of it has come: a frame all of whose lines are missing.
-            code = self._format_of(stream)
-            if code not in FORMATS:
-                return
-            self._open(stream, end.sequence, code, stream.size, stream.meaning)
+            self._open(stream, end.sequence, end.format, stream.size, stream.meaning)
         self._close(stream, end)
-
-    @staticmethod
-    def _format_of(stream: Stream) -> int:
-        if stream.info is not None:
-            return stream.info.format
-        return stream.kept[-1].format.code if stream.kept else 0
 
     # Lines.
 
@@ -351,7 +350,7 @@ class Receiver:
         if pixel_format is None or encoding not in encodings.NAMES or encoding == encodings.SENDER_CHOOSES:
             # Of a later edition of this version: ignored, but a packet all the same.
             self.counts.received += len(batch)
-            self.counts.lines_unfit += len(batch)
+            self.counts.unfit += len(batch)
         elif len(batch) == 1 or not self._lines(batch, pixel_format, encoding, unused):
             for body in batch:
                 self._line(body, pixel_format, encoding, unused)
@@ -393,38 +392,41 @@ class Receiver:
 
     def _line(self, body: bytes, pixel_format: PixelFormat, encoding: int, unused: int) -> None:
         """Take one line, or a piece of one."""
-        try:
-            if body[2] | body[3] << 8 != len(body) - LEAST_BODY:
-                raise Malformed("the length is not that of the body")
-            pixels, _ = encodings.decode(encoding, unused, [body[_LINE_HEAD:-4]], pixel_format)
-        except Malformed:
+        payload = body[_LINE_HEAD:-4]
+        if body[2] | body[3] << 8 != len(body) - LEAST_BODY or (unused and not payload):
             self.counts.malformed += 1
+            return
+        self.counts.received += 1
+        try:
+            pixels, _ = encodings.decode(encoding, unused, [payload], pixel_format)
+        except Malformed:
+            self.counts.unfit += 1
             return
         frame = self._frame_of_line(body)
         line, first = body[10] | body[11] << 8, body[12] | body[13] << 8
-        fits = frame is not None and frame.format is pixel_format and frame.put_piece(line, first, pixels)
-        self.counts.received += 1
-        self.counts.lines += fits
-        self.counts.lines_unfit += not fits
-        if fits and frame is not None and frame.closed:
+        if frame is None or frame.format is not pixel_format:
+            self.counts.unfit += 1
+            return
+        placement = frame.put_piece(line, first, pixels)
+        self.counts.lines += placement is Placement.PUT
+        self.counts.unfit += placement is Placement.UNFIT
+        if placement is Placement.PUT and frame.closed:
             self._repaired(frame)
 
     def _frame_of_line(self, head: bytes) -> Frame | None:
         """Find the frame that a line belongs to by the low 16 bits of its number; a newer one begins here."""
         stream = self._stream(head[4])
-        low, again = head[8] | head[9] << 8, head[7] & 1
+        low = head[8] | head[9] << 8
         if stream.open is not None and stream.open.sequence & 0xFFFF == low:
             return stream.open
         last = stream.last_sequence
         distance = 1 if last is None else (low - last + _HALF) % (2 * _HALF) - _HALF
-        if again or distance <= 0:
+        if distance <= 0:
             kept = (frame for frame in stream.kept if frame.sequence & 0xFFFF == low)
             return next(kept, None)
         if stream.size is None:
             return None
-        frame = self._open(
-            stream, low if last is None else last + distance, head[5], stream.size, stream.meaning
-        )
+        frame = self._open(stream, low if last is None else last + distance, head[5], stream.size, stream.meaning)
         frame.sequence_known = last is not None
         return frame
 

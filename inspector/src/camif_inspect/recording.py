@@ -105,7 +105,9 @@ class RecordingReader:
         header = self._file.read(_HEADER.size)
         if len(header) < _HEADER.size or not header.startswith(MAGIC):
             self._file.close()
-            raise RecordingError(f"{path} is no recording: it does not start with {MAGIC.decode()}; make one with `record`")
+            raise RecordingError(
+                f"{path} is no recording: it does not start with {MAGIC.decode()}; make one with `record`"
+            )
         _, version, _, started = _HEADER.unpack(header)
         if version != VERSION:
             self._file.close()

@@ -148,9 +148,7 @@ REGISTERS: tuple[Register, ...] = (
         "how large the crop window is",
         (Field("CAPCNT", 0, 13, "pixel clocks, less one"), Field("VLINE", 16, 29, "lines, less one")),
     ),
-    Register(
-        "DR", 0x28, "data: takes a word out of the FIFO", (Field("DATA", 0, 31, "byte 0 first"),), False, False
-    ),
+    Register("DR", 0x28, "data: takes a word out of the FIFO", (Field("DATA", 0, 31, "byte 0 first"),), False, False),
     Register(
         "XCR",
         0x40,

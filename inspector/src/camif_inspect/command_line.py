@@ -1,0 +1,329 @@
+"""The command `camif-inspect`.
+
+Exit status: 0 fine, 1 a frame was not whole or the device refused, 2 bad usage or input, with one clear line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from rich.console import Console
+from rich.progress import BarColumn, DownloadColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from . import __version__, statistics
+from .ask import ask
+from .errors import CommandError, InspectError
+from .files import replacing
+from .play import play
+from .port import DEFAULT_BAUD, RecordedSource, source_for
+from .recording import SUFFIX, RecordingWriter
+from .save import KINDS, save_frame, sentence, stem, summary
+from .session import Session
+
+_URL = "a port, a pty, socket://HOST:PORT or any URL that pyserial takes; or a recording"
+_errors = Console(stderr=True, highlight=False)
+
+
+class _Parser(argparse.ArgumentParser):
+    """One clear line instead of the whole usage."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="camif-inspect", description="Receives the frames that a camif device sends, and shows them.")
+    parser.add_argument("--version", action="version", version=f"camif-inspect {__version__}")
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
+
+    def verb(name: str, text: str, url: bool = True) -> argparse.ArgumentParser:
+        made = verbs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        if url:
+            made.add_argument("url", metavar="URL", help=_URL)
+            made.add_argument("--baud", type=int, default=DEFAULT_BAUD, help="rate of a serial line (%(default)s)")
+            made.add_argument("--wait", action="store_true", help="wait for a port that is not there yet")
+        return made
+
+    view = verbs.add_parser("view", help="show the live picture in the browser")
+    view.add_argument("url", metavar="URL", nargs="?", help=_URL)
+    view.add_argument("--play", metavar="FILE", type=Path, help="show a recording instead")
+    view.add_argument("--speed", type=float, default=1.0, help="of a recording; 0 is as fast as it goes (%(default)s)")
+    view.add_argument("--loop", action="store_true", help="play a recording again and again")
+    view.add_argument("--baud", type=int, default=DEFAULT_BAUD, help="rate of a serial line (%(default)s)")
+    view.add_argument("--host", default="127.0.0.1", help="address to serve the page at (%(default)s)")
+    view.add_argument("--port", type=int, default=8137, help="TCP port to serve it at, 0 for a free one (%(default)s)")
+    view.add_argument("--save-to", type=Path, default=Path(), metavar="DIR", help="where the page's Save puts files")
+    view.add_argument("--no-browser", action="store_true", help="print the address and open nothing")
+
+    save = verb("save", "save frames as PNG and raw files")
+    save.add_argument("-n", "--frames", type=int, default=1, help="how many (%(default)s)")
+    save.add_argument(
+        "-o", "--out", type=Path, default=Path(), help="a directory, or for one frame a .png or .raw file"
+    )
+    save.add_argument("--stream", help="number or name; all, if it is left out")
+    save.add_argument("--kind", choices=(*KINDS, "both"), default="both", help="what to write (%(default)s)")
+    save.add_argument("--whole", action="store_true", help="pass over frames that have any fault")
+    save.add_argument("--no-resend", action="store_true", help="do not ask for missing lines again")
+    save.add_argument(
+        "--timeout", type=float, default=30.0, help="seconds without a frame to give up after (%(default)s)"
+    )
+    save.add_argument("--json", action="store_true", help="one JSON object on stdout")
+
+    record = verb("record", "write the bytes of the line to a file, with their times; Ctrl-C ends it")
+    record.add_argument("-o", "--out", type=Path, required=True, help=f"the recording, usually *{SUFFIX}")
+    record.add_argument("--seconds", type=float, help="end after so long")
+
+    playing = verb("play", "play a recording as if the device were there", url=False)
+    playing.add_argument("file", type=Path, help="a recording")
+    playing.add_argument("--to", default="tcp:127.0.0.1:0", help="tcp:HOST:PORT or pty (%(default)s)")
+    playing.add_argument("--speed", type=float, default=1.0, help="1 as it was, 0 as fast as it is taken (%(default)s)")
+    playing.add_argument("--loop", action="store_true", help="again and again")
+
+    stats = verb("stats", "measure what comes over the line; a recording is read whole")
+    stats.add_argument("--seconds", type=float, default=5.0, help="how long to listen (%(default)s)")
+    stats.add_argument("--json", action="store_true", help="one JSON object on stdout")
+
+    command = verb("command", "ask the device to do something; `help` as the request lists what")
+    command.add_argument("request", nargs="+", metavar="REQUEST", help="such as start, snapshot 3, read CR, get")
+    command.add_argument("--block", type=int, default=0, help="of read and write: 0 the interface, 1 the sensor")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; gives the exit status."""
+    options = _parser().parse_args(arguments)
+    try:
+        return int(_VERBS[options.verb](options))
+    except CommandError as error:
+        print(f"camif-inspect: {error}", file=sys.stderr)
+        return 1
+    except InspectError as error:
+        print(f"camif-inspect: {error}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        # Whoever read our output has seen enough.
+        sys.stderr.close()
+        return 0
+    except KeyboardInterrupt:
+        print("camif-inspect: interrupted", file=sys.stderr)
+        return 130
+
+
+def _session(options: argparse.Namespace, speed: float | None = None) -> Session:
+    session = Session(source_for(options.url, options.baud, speed), options.wait)
+    if session.trouble:
+        _errors.print(f"[yellow]{session.trouble}; waiting for it[/]")
+    return session
+
+
+def _progress(*columns: TextColumn | BarColumn | MofNCompleteColumn | DownloadColumn | TimeElapsedColumn) -> Progress:
+    return Progress(TextColumn("{task.description}"), *columns, TimeElapsedColumn(), console=_errors, transient=True)
+
+
+class _LogPrinter:
+    """Prints what the session has to say as it says it; the device's log only from warnings on."""
+
+    def __init__(self, session: Session, everything: bool = False) -> None:
+        self._session = session
+        self._seen = 0
+        self._everything = everything
+
+    def __call__(self, console: Console) -> None:
+        new = self._session.log_count - self._seen
+        self._seen += new
+        for _, level, text in list(self._session.log)[-new:] if new else ():
+            if self._everything or level in ("error", "warning"):
+                console.print(f"{level}: {text}", style="red" if level == "error" else "yellow", markup=False)
+
+
+def _stream_of(text: str | None) -> int | str | None:
+    return int(text) if text is not None and text.isdigit() else text
+
+
+def _save(options: argparse.Namespace) -> int:
+    kinds = KINDS if options.kind == "both" else (options.kind,)
+    single = options.out.suffix[1:] if options.out.suffix[1:] in KINDS else None
+    if single and options.frames != 1:
+        raise InspectError(f"{options.out} is one file, and {options.frames} frames are asked for; name a directory")
+    if options.frames < 1:
+        raise InspectError("at least one frame must be asked for")
+    saved: list[dict[str, object]] = []
+    all_whole = True
+    with _session(options) as session, _progress(BarColumn(), MofNCompleteColumn()) as progress:
+        print_log = _LogPrinter(session)
+        task = progress.add_task("frames", total=options.frames)
+        lines = progress.add_task("lines of the next", total=None, visible=session.source.live)
+
+        def show_lines() -> None:
+            with session.lock:
+                arriving = [stream.open for stream in session.receiver.streams.values() if stream.open]
+            if arriving:
+                frame = arriving[0]
+                progress.update(lines, total=frame.height, completed=int(frame.present.sum()))
+            print_log(progress.console)
+
+        for frame in session.frames(_stream_of(options.stream), options.timeout, show_lines):
+            if frame.missing.any() and session.source.live and not options.no_resend:
+                try:
+                    session.request_missing(frame)
+                except InspectError as error:
+                    progress.console.print(f"missing lines were not sent again: {error}", style="yellow", markup=False)
+            if options.whole and not frame.whole:
+                progress.console.print(f"passed over {sentence(frame)}", style="yellow", markup=False)
+                continue
+            files = [options.out] if single else [options.out / f"{stem(frame)}.{kind}" for kind in kinds]
+            for path in files:
+                save_frame(frame, path, path.suffix[1:])
+            all_whole &= frame.whole
+            saved.append(summary(frame) | {"files": [str(path) for path in files]})
+            if not options.json:
+                style = "" if frame.whole else "yellow"
+                progress.console.print(f"{', '.join(map(str, files))}: {sentence(frame)}", style=style, markup=False)
+            progress.advance(task)
+            if len(saved) == options.frames:
+                break
+    if options.json:
+        print(json.dumps({"frames": saved}))
+    if len(saved) < options.frames:
+        raise InspectError(f"{options.url} ended after {len(saved)} of {options.frames} frames")
+    return 0 if all_whole else 1
+
+
+def _record(options: argparse.Namespace) -> int:
+    until = time.monotonic() + options.seconds if options.seconds else float("inf")
+    with _session(options) as session, replacing(options.out) as file:
+        writer = RecordingWriter(file)
+        session.record(writer)
+        print_log = _LogPrinter(session)
+        try:
+            with _progress(DownloadColumn()) as progress:
+                task = progress.add_task(f"recording to {options.out}", total=None)
+                while time.monotonic() < until and not session.ended.is_set():
+                    time.sleep(0.05)
+                    progress.update(task, completed=writer.bytes_written)
+                    print_log(progress.console)
+        except KeyboardInterrupt:
+            # The usual way to end it: what has come is kept.
+            pass
+        session.record(None)
+        session.check()
+        written = writer.bytes_written
+    _errors.print(f"{options.out}: {written:,} bytes")
+    return 0
+
+
+def _play(options: argparse.Namespace) -> int:
+    source = RecordedSource(options.file, options.speed, options.loop)
+    with _progress(BarColumn(), DownloadColumn()) as progress:
+        task = progress.add_task(f"playing {options.file}", total=None if options.loop else source.reader.size)
+
+        def announce(url: str) -> None:
+            print(url, flush=True)
+            progress.console.print("waiting for a listener, such as: camif-inspect view " + url, markup=False)
+
+        played = play(source, options.to, announce, lambda at: progress.update(task, completed=at))
+    _errors.print(f"{played:,} bytes played")
+    return 0
+
+
+def _stats(options: argparse.Namespace) -> int:
+    with _session(options) as session:
+        print_log = _LogPrinter(session)
+        first = statistics.sample(session.receiver, session.source.now())
+        session.start()
+        until = time.monotonic() + options.seconds
+        with _progress(BarColumn()) as progress:
+            task = progress.add_task("listening", total=options.seconds if session.source.live else None)
+            while not session.ended.is_set() and (not session.source.live or time.monotonic() < until):
+                time.sleep(0.05)
+                progress.update(task, completed=options.seconds - (until - time.monotonic()))
+                print_log(progress.console)
+        session.check()
+        with session.lock:
+            last = statistics.sample(session.receiver, session.source.now())
+            everything = statistics.as_json(first, last, session.receiver)
+        noisy, hint = session.noisy, session.noise_hint
+    if options.json:
+        print(json.dumps(everything))
+    else:
+        Console(highlight=False).print(_table(everything))
+    if not everything["counts"]["received"]:
+        if everything["other_versions"]:
+            return 1
+        if noisy or everything["counts"]["damaged"]:
+            raise InspectError(f"bytes came and no packet: {hint}")
+    return 0
+
+
+def _table(everything: dict[str, Any]) -> Table:
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_column(justify="left")
+    table.add_column(justify="right")
+    table.add_column(justify="left", style="dim")
+    counts = everything["counts"]
+    table.add_row("bytes", f"{counts['bytes']:,}", f"{everything['bytes_per_second']:,.0f} a second")
+    for stream in everything["streams"]:
+        rate = f"{stream['frames_per_second']:.2f} frames a second"
+        table.add_row(f"frames of {stream['name']}", f"{stream['frames']:,}", rate)
+    table.add_row("frames whole", f"{counts['frames_whole']:,}", f"of {counts['frames']:,}")
+    notes = {
+        "frames_bad_verdict": "the capture was bad",
+        "frames_bad_crc": "a fault of the device",
+        "frames_endless": "their end was lost",
+        "lines": "put in their places",
+        "lines_lost": "by the link",
+        "unfit": "lines that fit nowhere",
+        "received": "packets",
+        "damaged": "packets: CRC errors and the like",
+        "malformed": "packets",
+        "other_version": "packets of another protocol version",
+        "unknown_kind": "packets",
+    }
+    for name, note in notes.items():
+        table.add_row(name.replace("_", " "), f"{counts[name]:,}", note)
+    device = everything["device"]
+    if device:
+        note = "" if device["cause"] == "none" else f"last time-out: {device['cause']}"
+        table.add_row("device", device["state"], note)
+        for name in ("delivered", "dropped", "lost", "overruns", "packets_unsent", "packets_damaged"):
+            table.add_row(f"  {name.replace('_', ' ')}", f"{device[name]:,}", "since its start")
+    return table
+
+
+def _command(options: argparse.Namespace) -> int:
+    if options.request[0] == "help":
+        print(ask.__doc__)
+        return 0
+    with _session(options) as session:
+        for line in ask(session, options.request, options.block):
+            print(line)
+    return 0
+
+
+def _view(options: argparse.Namespace) -> int:
+    if (options.url is None) == (options.play is None):
+        raise InspectError("view shows either a URL or, with --play, a recording")
+    from .view import serve  # only here: it takes asyncio and a web server along
+
+    url = options.play if options.play is not None else options.url
+    source = source_for(url, options.baud, options.speed, options.loop)
+    with Session(source, wait=True) as session:
+        serve(session, options.host, options.port, options.save_to, not options.no_browser)
+    return 0
+
+
+_VERBS = {
+    "view": _view,
+    "save": _save,
+    "record": _record,
+    "play": _play,
+    "stats": _stats,
+    "command": _command,
+}

@@ -1,0 +1,77 @@
+"""A recording played on a TCP port or a pseudo-terminal, as if the device were there."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+from .errors import InspectError
+from .port import EndOfSource, RecordedSource
+
+Send = Callable[[bytes], None]
+
+
+@contextmanager
+def _tcp(place: str, announce: Callable[[str], None]) -> Iterator[Send]:
+    host, _, port = place.rpartition(":")
+    host = host.strip("[]") or "127.0.0.1"
+    if not port.isdigit():
+        raise InspectError(f"`tcp:{place}` is no address; write tcp:HOST:PORT, with port 0 for a free one")
+    try:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        listener = socket.create_server((host, int(port)), family=family)
+    except (OSError, OverflowError) as error:
+        raise InspectError(f"cannot listen on {host} port {port}: {error}") from error
+    with listener:
+        announce(f"socket://{host}:{listener.getsockname()[1]}")
+        connection, _ = listener.accept()
+        with connection:
+            yield connection.sendall
+
+
+@contextmanager
+def _pty(announce: Callable[[str], None]) -> Iterator[Send]:
+    try:
+        import pty
+        import tty
+    except ImportError:
+        raise InspectError("this system has no pseudo-terminals; use --to tcp:HOST:PORT") from None
+    controller, terminal = pty.openpty()
+    try:
+        tty.setraw(terminal)
+        announce(os.ttyname(terminal))
+
+        def send(data: bytes) -> None:
+            while data:
+                data = data[os.write(controller, data) :]
+
+        yield send
+    finally:
+        os.close(terminal)
+        os.close(controller)
+
+
+def play(source: RecordedSource, place: str, announce: Callable[[str], None], progress: Callable[[int], None]) -> int:
+    """Play a recording at `tcp:HOST:PORT` or `pty`, once somebody is there to hear it; gives the bytes played.
+
+    `announce` is told the URL to open; `progress` how far in the file it is, in bytes. Ends when the recording does, or
+    when the listener leaves.
+    """
+    if place == "pty":
+        channel = _pty(announce)
+    elif place.startswith("tcp:"):
+        channel = _tcp(place.removeprefix("tcp:"), announce)
+    else:
+        raise InspectError(f"`{place}` is neither tcp:HOST:PORT nor pty")
+    played = 0
+    with channel as send, suppress(EndOfSource, BrokenPipeError, ConnectionResetError):
+        source.open()
+        while True:
+            data = source.read().data
+            if data:
+                send(data)
+                played += len(data)
+                progress(source.reader.position)
+    return played
