@@ -154,8 +154,10 @@ class Device:
                 while not gone.is_set() and not self._stop.is_set():
                     if time.monotonic() - beat > 1:
                         beat = time.monotonic()
-                        send(wire(self.heartbeat()))
-                    if self.running:
+                        send(self._of_version(self.heartbeat()))
+                        for number in range(len(self.pictures)):
+                            send(self._of_version(self.stream(number)))
+                    if self.running and self.version == 1:
                         self._frame(send)
                     time.sleep(self.interval)
             except OSError:

@@ -1,0 +1,190 @@
+"""A device on TCP and on a pseudo-terminal: frames, commands, ports that vanish, and other versions."""
+
+import socket
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import camif_inspect
+import device as devices
+import pictures
+from camif_inspect import CommandError, InspectError, PortError, Verdict
+from camif_inspect.ask import ask
+
+
+def wait_for(condition, seconds=10):
+    until = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < until, "it did not come"
+        time.sleep(0.01)
+
+
+@pytest.mark.parametrize("channel", ["on_tcp", "on_pty"])
+def test_frames_are_numpy_arrays_with_their_verdicts(channel):
+    made = devices.Device([("raw", devices.RGB888, 0, pictures.colour), ("edges", devices.GRAY8, 3, pictures.edges)])
+    with made, camif_inspect.open(getattr(made, channel)()) as camera:
+        seen = set()
+        for frame in camera:
+            truth = pictures.colour if frame.stream == 0 else pictures.edges
+            assert frame.verdict is Verdict.GOOD
+            assert frame.missing_lines == []
+            assert frame.whole
+            assert np.array_equal(frame.pixels, truth(frame.sequence))
+            seen.add(frame.name)
+            if seen == {"raw", "edges"}:
+                break
+        assert "\n".join(ask(camera, ["ping"])).startswith("answered in ")
+
+
+def test_frames_of_one_stream_by_name(device):
+    with camif_inspect.open(device.url) as camera:
+        frames = camera.frames("edges")
+        assert [next(frames).stream for _ in range(3)] == [1, 1, 1]
+
+
+def test_lost_lines_are_marked_and_sent_again_on_request(device):
+    device.lose = {(number, line) for number in range(1, 100) for line in (3, 4, 20)}
+    with camif_inspect.open(device.url) as camera:
+        frame = next(camera.frames("raw"))
+        truth = pictures.colour(frame.sequence)
+        assert frame.missing_lines == [3, 4, 20]
+        assert frame.crc_ok is None
+        assert not frame.pixels[3].any()
+        assert np.array_equal(frame.pixels[frame.present], truth[frame.present])
+        assert (frame.marked()[3, 0] == [255, 0, 255]).all()
+        device.interval = 0.5
+        assert camera.request_missing(frame) == 0
+        assert frame.whole
+        assert np.array_equal(frame.pixels, truth)
+
+
+def test_a_port_that_vanishes_is_reported_and_waited_for(device):
+    with camif_inspect.open(device.url) as camera:
+        frames = camera.frames("raw", timeout=20)
+        first = next(frames)
+        device.hang_up()
+        wait_for(lambda: camera.reconnects == 1)
+        assert any("is gone" in text and "waiting" in text for _, _, text in camera.log)
+        assert next(frame for frame in frames if frame.sequence > first.sequence + 1).whole
+
+
+def test_a_port_that_is_not_there_is_an_error_or_waited_for():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        url = f"socket://127.0.0.1:{taken.getsockname()[1]}"
+    with pytest.raises(PortError, match="cannot open socket://.*refused"):
+        camif_inspect.open(url)
+    with pytest.raises(PortError, match="cannot open /dev/nothing-here: no such file"):
+        camif_inspect.open("/dev/nothing-here")
+    made = devices.Device([("raw", devices.RGB888, 0, pictures.colour)])
+    with camif_inspect.open(url, wait=True) as camera, made:
+        assert camera.trouble
+        made._listener = socket.create_server(("127.0.0.1", int(url.rsplit(":", 1)[1])))
+        made._listener.settimeout(0.1)
+        made._start(made._serve_tcp)
+        assert next(camera.frames(timeout=20)).whole
+
+
+def test_a_device_of_another_version_is_told_from_noise(device):
+    device.version = 3
+    with camif_inspect.open(device.url) as camera:
+        device.running = False
+        with pytest.raises(InspectError, match="speaks version .*3 of the protocol.*update this program"):
+            next(camera.frames(timeout=1))
+
+
+def test_noise_is_told_for_what_it_is():
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+
+        def babble():
+            connection, _ = listener.accept()
+            rng = np.random.default_rng(1)
+            connection.sendall(rng.integers(0, 256, 60_000, dtype=np.uint8).tobytes())
+            time.sleep(2)
+
+        threading.Thread(target=babble, daemon=True).start()
+        url = f"socket://127.0.0.1:{listener.getsockname()[1]}"
+        with camif_inspect.open(url) as camera:
+            with pytest.raises(InspectError, match="60,000 bytes came and no packet: no camif device"):
+                next(camera.frames(timeout=0.8))
+            assert camera.noisy
+
+
+def test_commands_are_carried_out_once_though_replies_get_lost(device):
+    with camif_inspect.open(device.url) as camera:
+        real = camera.source.write
+        wires = []
+
+        def twice(data):
+            # As if the first reply had been lost and the command been sent again.
+            wires.append(data)
+            real(data)
+            real(data)
+
+        camera.source.write = twice
+        assert list(ask(camera, ["set", "gain", "0x20"])) == ["gain = 32 (0 to 255)"]
+        assert [command for command, _ in device.commands] == [9] * 3 + [8]
+
+
+def test_a_device_that_does_not_answer_is_asked_again_and_then_given_up():
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        heard = bytearray()
+
+        def listen():
+            connection, _ = listener.accept()
+            while data := connection.recv(1000):
+                heard.extend(data)
+
+        threading.Thread(target=listen, daemon=True).start()
+        with camif_inspect.open(f"socket://127.0.0.1:{listener.getsockname()[1]}") as camera:
+            with pytest.raises(CommandError, match="no reply to START from socket://.*asked 4 times"):
+                camera.command(2, timeout=0.1)
+        asked = [piece for piece in bytes(heard).split(b"\0") if piece]
+        assert len(asked) == 4
+        assert len(set(asked)) == 1
+
+
+ANSWERS = [
+    (["stop"], ["stopped"]),
+    (["start"], ["started"]),
+    (["snapshot", "2"], ["captures 2 frames"]),
+    (["streams", "1"], ["on: 1"]),
+    (["streams", "all"], ["on: 0, 1"]),
+    (["encoding", "0", "qoi"], ["stream 0: qoi"]),
+    (["stages", "1", "gray|canny:low=50,high=150"], ["stream 1: gray|canny:low=50,high=150"]),
+    (["get"], ["exposure = 100 (1 to 1000)", "gain = 16 (0 to 255)"]),
+    (["get", "gain"], ["gain = 16 (0 to 255)"]),
+    (["set", "0", "250"], ["exposure = 250 (1 to 1000)"]),
+    (["read", "CR"], ["CR     0x00 = 0x000040e3  CAPTURE CM=snapshot PCKPOL=rising HSPOL=high VSPOL=high ENABLE"]),
+    (["write", "IER", "0x3"], ["IER    0x0c = 0x00000003  FRAME OVR"]),
+]
+
+
+@pytest.mark.parametrize(("request_", "answer"), ANSWERS, ids=lambda value: " ".join(value[:2]))
+def test_requests_and_their_answers(device, request_, answer):
+    with camif_inspect.open(device.url) as camera:
+        if request_ == ["streams", "all"]:
+            wait_for(lambda: camera.receiver.hello is not None)
+        assert list(ask(camera, request_)) == answer
+
+
+REFUSALS = [
+    (["jump"], "`jump` is no request; there are ping"),
+    (["snapshot", "0"], "the number of frames is 1 to 65535, not 0"),
+    (["stages", "0", "cany"], "finds an argument out of range: no stage `cany`; is it `canny`"),
+    (["encoding", "0", "zip"], "`zip` is no encoding; there are raw"),
+    (["set", "gain", "999"], "gain is 0 to 255"),
+    (["set", "focus", "1"], "has no parameter `focus`; it has exposure, gain"),
+    (["read", "0x34"], "has no such register"),
+    (["read", "CR", "x"], "the number of registers is a number"),
+    (["start", "now"], "start takes 0 arguments"),
+]
+
+
+@pytest.mark.parametrize(("request_", "words"), REFUSALS, ids=lambda value: value if isinstance(value, str) else "")
+def test_refusals_are_one_clear_line(device, request_, words):
+    with camif_inspect.open(device.url) as camera, pytest.raises(CommandError, match=".") as error:
+        list(ask(camera, request_))
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
