@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import select
 import socket
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
@@ -11,6 +13,8 @@ from .errors import InspectError
 from .port import EndOfSource, RecordedSource
 
 Send = Callable[[bytes], None]
+# How long a listener may take for what is left at the end.
+_DRAIN_SECONDS = 5.0
 
 
 @contextmanager
@@ -48,6 +52,10 @@ def _pty(announce: Callable[[str], None]) -> Iterator[Send]:
                 data = data[os.write(controller, data) :]
 
         yield send
+        # What the listener has not taken yet would be lost with the terminal; one that is gone takes no more.
+        deadline = time.monotonic() + _DRAIN_SECONDS
+        while time.monotonic() < deadline and select.select([terminal], [], [], 0)[0]:
+            time.sleep(0.01)
     finally:
         os.close(terminal)
         os.close(controller)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import os
+import select
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -89,6 +90,8 @@ class SerialSource:
             self._port = serial.serial_for_url(
                 self.name, baudrate=self.baud, timeout=_POLL_SECONDS, write_timeout=_WRITE_SECONDS
             )
+            if not isinstance(self._port, serial.Serial) and hasattr(self._port, "fileno"):
+                self._port.timeout = 0
         except (serial.SerialException, OSError, ValueError) as error:
             raise PortError(f"cannot open {self.name}: {_reason(error)}") from error
 
@@ -97,12 +100,21 @@ class SerialSource:
         if self._port is None:
             raise PortError(f"{self.name} is not open")
         try:
-            data = self._port.read(_READ_BYTES)
+            data = self._read()
         except (serial.SerialException, OSError, TypeError) as error:
             # pyserial lets a TypeError out when another thread closes the port meanwhile.
             self.close()
             raise PortError(f"{self.name} is gone: {_reason(error)}") from error
         return Chunk(self.now(), data)
+
+    def _read(self) -> bytes:
+        """Read no more than is there, for pyserial throws away what it has when it finds the other end gone."""
+        port = self._port
+        if isinstance(port, serial.Serial) or not hasattr(port, "fileno"):
+            return bytes(port.read(max(1, min(port.in_waiting, _READ_BYTES))))
+        # A socket does not tell how much there is, but with no time to wait a read ends after one piece.
+        ready, _, _ = select.select([port.fileno()], [], [], _POLL_SECONDS)
+        return bytes(port.read(_READ_BYTES)) if ready else b""
 
     def write(self, data: bytes) -> None:
         """Send bytes; raises `PortError` when the port is gone or takes none for two seconds."""
