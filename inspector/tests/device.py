@@ -229,6 +229,9 @@ class Device:
     def _command(self, body, send):
         if zlib.crc32(body) != 0x2144DF1C:
             return
+        if body[0] != self.version:
+            send(self._of_version(link.hello(*self._hello())))
+            return
         if body == self._last[0]:
             send(self._last[1])
             return

@@ -1,11 +1,16 @@
 """A device on TCP and on a pseudo-terminal: frames, commands, ports that vanish, and other versions."""
 
+import contextlib
+import os
+import pty
 import socket
 import threading
 import time
+import tty
 
 import numpy as np
 import pytest
+from cobs import cobs
 
 import camif_inspect
 import device as devices
@@ -122,9 +127,10 @@ def test_commands_are_carried_out_once_though_replies_get_lost(device):
             real(data)
             real(data)
 
+        wait_for(lambda: device.commands)
         camera.source.write = twice
         assert list(ask(camera, ["set", "gain", "0x20"])) == ["gain = 32 (0 to 255)"]
-        assert [command for command, _ in device.commands] == [9] * 3 + [8]
+        assert [command for command, _ in device.commands] == [1] + [9] * 3 + [8]
 
 
 def test_a_device_that_does_not_answer_is_asked_again_and_then_given_up():
@@ -141,8 +147,9 @@ def test_a_device_that_does_not_answer_is_asked_again_and_then_given_up():
             with pytest.raises(CommandError, match="no reply to START from socket://.*asked 4 times"):
                 camera.command(2, timeout=0.1)
         asked = [piece for piece in bytes(heard).split(b"\0") if piece]
-        assert len(asked) == 4
-        assert len(set(asked)) == 1
+        kinds = [cobs.decode(piece)[6] for piece in asked]
+        assert kinds == [1] * 2 + [2] * 4
+        assert len(set(asked)) == 2
 
 
 ANSWERS = [
@@ -188,3 +195,34 @@ def test_refusals_are_one_clear_line(device, request_, words):
         list(ask(camera, request_))
     assert words in str(error.value)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("channel", ["tcp", "pty"])
+def test_what_a_device_said_before_the_port_was_opened_is_heard(channel):
+    """Such as the only HELLO of a device that takes no commands."""
+    said = b"".join(devices.wire(body) for body in (devices.link.hello(9, "early"), devices.link.log(3, 0, 0, 5, "up")))
+    with contextlib.ExitStack() as stack:
+        if channel == "tcp":
+            listener = stack.enter_context(socket.create_server(("127.0.0.1", 0)))
+            url = f"socket://127.0.0.1:{listener.getsockname()[1]}"
+            talker = threading.Thread(target=lambda: listener.accept()[0].sendall(said) or time.sleep(1), daemon=True)
+            talker.start()
+        else:
+            controller, terminal = pty.openpty()
+            stack.callback(os.close, controller)
+            stack.callback(os.close, terminal)
+            tty.setraw(terminal)
+            os.write(controller, said)
+            url = os.ttyname(terminal)
+        with camif_inspect.open(url) as camera:
+            wait_for(lambda: any(text == "up" for _, _, text in camera.log))
+            assert camera.receiver.hello.name == "early"
+
+
+def test_who_is_there_is_asked_at_once_and_after_every_loss(device):
+    with camif_inspect.open(device.url) as camera:
+        wait_for(lambda: [command for command, _ in device.commands] == [1])
+        wait_for(lambda: camera.receiver.hello is not None)
+        device.hang_up()
+        wait_for(lambda: [command for command, _ in device.commands] == [1, 1])
+    assert sum("protocol version 1" in text for _, _, text in camera.log) == 1

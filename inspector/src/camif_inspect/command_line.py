@@ -21,14 +21,14 @@ from . import __version__, statistics
 from .ask import ask
 from .errors import CommandError, InspectError
 from .files import replacing
-from .play import play
+from .play import channel_at, play
 from .port import DEFAULT_BAUD, RecordedSource, source_for
 from .recording import SUFFIX, RecordingWriter
 from .save import KINDS, save_frame, sentence, stem, summary
 from .session import Session
 
 _URL = "a port, a pty, socket://HOST:PORT or any URL that pyserial takes; or a recording"
-_errors = Console(stderr=True, highlight=False)
+_errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -124,7 +124,14 @@ def _session(options: argparse.Namespace, speed: float | None = None) -> Session
 
 
 def _progress(*columns: TextColumn | BarColumn | MofNCompleteColumn | DownloadColumn | TimeElapsedColumn) -> Progress:
-    return Progress(TextColumn("{task.description}"), *columns, TimeElapsedColumn(), console=_errors, transient=True)
+    return Progress(
+        TextColumn("{task.description}"),
+        *columns,
+        TimeElapsedColumn(),
+        console=_errors,
+        transient=True,
+        disable=not _errors.is_terminal,  # it would leave an empty line in a file
+    )
 
 
 class _LogPrinter:
@@ -221,14 +228,16 @@ def _record(options: argparse.Namespace) -> int:
 
 def _play(options: argparse.Namespace) -> int:
     source = RecordedSource(options.file, options.speed, options.loop)
-    with _progress(BarColumn(), DownloadColumn()) as progress:
+    progress = _progress(BarColumn(), DownloadColumn())
+
+    def announce(url: str) -> None:
+        print(url, flush=True)
+        progress.console.print("waiting for a listener, such as: camif-inspect view " + url, markup=False)
+
+    channel = channel_at(options.to, announce)
+    with progress:
         task = progress.add_task(f"playing {options.file}", total=None if options.loop else source.reader.size)
-
-        def announce(url: str) -> None:
-            print(url, flush=True)
-            progress.console.print("waiting for a listener, such as: camif-inspect view " + url, markup=False)
-
-        played = play(source, options.to, announce, lambda at: progress.update(task, completed=at))
+        played = play(source, channel, lambda at: progress.update(task, completed=at))
     _errors.print(f"{played:,} bytes played")
     return 0
 

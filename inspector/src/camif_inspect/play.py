@@ -7,14 +7,21 @@ import select
 import socket
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 
 from .errors import InspectError
 from .port import EndOfSource, RecordedSource
 
 Send = Callable[[bytes], None]
+Channel = AbstractContextManager[Send]
 # How long a listener may take for what is left at the end.
 _DRAIN_SECONDS = 5.0
+
+
+def _overhear(channel: int | socket.socket, read: Callable[[int], bytes]) -> None:
+    """Take commands off the channel, so that they do not fill it: a recording has no answer to them."""
+    while select.select([channel], [], [], 0)[0] and read(1 << 12):
+        pass
 
 
 @contextmanager
@@ -32,7 +39,20 @@ def _tcp(place: str, announce: Callable[[str], None]) -> Iterator[Send]:
         announce(f"socket://{host}:{listener.getsockname()[1]}")
         connection, _ = listener.accept()
         with connection:
-            yield connection.sendall
+
+            def send(data: bytes) -> None:
+                _overhear(connection, connection.recv)
+                connection.sendall(data)
+
+            yield send
+            # A socket closed over commands that nobody read is reset, and what is on its way is lost.
+            deadline = time.monotonic() + _DRAIN_SECONDS
+            connection.shutdown(socket.SHUT_WR)
+            connection.settimeout(0.1)
+            while time.monotonic() < deadline:
+                with suppress(TimeoutError):
+                    if not connection.recv(1 << 12):
+                        break
 
 
 @contextmanager
@@ -48,6 +68,7 @@ def _pty(announce: Callable[[str], None]) -> Iterator[Send]:
         announce(os.ttyname(terminal))
 
         def send(data: bytes) -> None:
+            _overhear(controller, lambda most: os.read(controller, most))
             while data:
                 data = data[os.write(controller, data) :]
 
@@ -61,18 +82,20 @@ def _pty(announce: Callable[[str], None]) -> Iterator[Send]:
         os.close(controller)
 
 
-def play(source: RecordedSource, place: str, announce: Callable[[str], None], progress: Callable[[int], None]) -> int:
-    """Play a recording at `tcp:HOST:PORT` or `pty`, once somebody is there to hear it; gives the bytes played.
-
-    `announce` is told the URL to open; `progress` how far in the file it is, in bytes. Ends when the recording does, or
-    when the listener leaves.
-    """
+def channel_at(place: str, announce: Callable[[str], None]) -> Channel:
+    """Give the channel at `tcp:HOST:PORT` or `pty`; once entered, `announce` is told the URL to open."""
     if place == "pty":
-        channel = _pty(announce)
-    elif place.startswith("tcp:"):
-        channel = _tcp(place.removeprefix("tcp:"), announce)
-    else:
-        raise InspectError(f"`{place}` is neither tcp:HOST:PORT nor pty")
+        return _pty(announce)
+    if place.startswith("tcp:"):
+        return _tcp(place.removeprefix("tcp:"), announce)
+    raise InspectError(f"`{place}` is neither tcp:HOST:PORT nor pty")
+
+
+def play(source: RecordedSource, channel: Channel, progress: Callable[[int], None]) -> int:
+    """Play a recording, once somebody is there to hear it; gives the bytes played.
+
+    `progress` is told how far in the file it is, in bytes. Ends when the recording does, or when the listener leaves.
+    """
     played = 0
     with channel as send, suppress(EndOfSource, BrokenPipeError, ConnectionResetError):
         source.open()

@@ -72,6 +72,18 @@ def _reason(error: BaseException) -> str:
     return text.split(": ", 1)[-1].splitlines()[0]
 
 
+def _open_as_it_is(port: serial.SerialBase) -> None:
+    """Open without the flush that comes with it: what a device has said already, its HELLO for one, is worth having."""
+    flushes = ("reset_input_buffer", "_reset_input_buffer")
+    for name in flushes:
+        setattr(port, name, lambda: None)
+    try:
+        port.open()
+    finally:
+        for name in flushes:
+            delattr(port, name)
+
+
 class SerialSource:
     """A port by any URL that pyserial takes: a device's path, a pty, `socket://HOST:PORT`, `rfc2217://`, `loop://`."""
 
@@ -87,9 +99,11 @@ class SerialSource:
         """Open the port, 8 data bits, no parity, 1 stop bit, no flow control."""
         self.close()
         try:
-            self._port = serial.serial_for_url(
-                self.name, baudrate=self.baud, timeout=_POLL_SECONDS, write_timeout=_WRITE_SECONDS
+            port = serial.serial_for_url(
+                self.name, do_not_open=True, baudrate=self.baud, timeout=_POLL_SECONDS, write_timeout=_WRITE_SECONDS
             )
+            _open_as_it_is(port)
+            self._port = port
             if not isinstance(self._port, serial.Serial) and hasattr(self._port, "fileno"):
                 self._port.timeout = 0
         except (serial.SerialException, OSError, ValueError) as error:

@@ -8,6 +8,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from types import TracebackType
 
 import numpy as np
@@ -24,6 +25,8 @@ from .recording import FROM_DEVICE, TO_DEVICE, RecordingWriter
 _RETRY_SECONDS = 0.25
 _REPLY_SECONDS = 1.0
 _ATTEMPTS = 4
+# A greeting that stays without an answer must not hold up the commands of a person for long.
+_GREETINGS = 2
 # Bytes without a single packet after which a person is told that this is no device, or another rate.
 _NOISE_BYTES = 16_384
 _QUEUED_FRAMES = 64
@@ -66,6 +69,7 @@ class Session:
         self._stop = threading.Event()
         self._failure: BaseException | None = None
         self._since_packet = 0
+        self._greeted: tuple[int, str] | None = None
         try:
             source.open()
         except PortError as error:
@@ -76,6 +80,8 @@ class Session:
         self._started = False
         if source.live:
             self.start()
+            if not self.trouble:
+                self._greet()
 
     def start(self) -> None:
         """Begin to listen. A port is listened to from the start; a recording waits for this, or for `frames`."""
@@ -162,7 +168,20 @@ class Session:
         self.say("information", f"{self.source.name} is open")
         with self.lock:
             self.receiver.rejoin()
+        self._greet()
         return True
+
+    def _greet(self) -> None:
+        """Ask who is there: a device says it when it starts, and that may have been long ago.
+
+        A device that cannot hear us, or has no answer, is listened to all the same.
+        """
+
+        def ask() -> None:
+            with suppress(InspectError):
+                self._exchange(Command.HELLO, b"", _REPLY_SECONDS, _GREETINGS)
+
+        threading.Thread(target=ask, name="camif-inspect greeting", daemon=True).start()
 
     def _take(self, at: float, data: bytes) -> None:
         self._record(at, data, FROM_DEVICE)
@@ -182,7 +201,8 @@ class Session:
                 self.say(event.level_name, event.text + (" …" if event.cut else ""))
             elif isinstance(event, OtherVersion):
                 self._other_version(event)
-            elif isinstance(event, Hello):
+            elif isinstance(event, Hello) and self._greeted != (event.session, event.name):
+                self._greeted = (event.session, event.name)
                 self.say("information", f"{event.name or 'a device'}, protocol version {VERSION}")
             for listener in list(self._listeners):
                 listener(event)
@@ -308,12 +328,15 @@ class Session:
         """
         if threading.current_thread() is self._thread:
             raise RuntimeError("a listener cannot wait for a reply: it is what receives it")
+        return self._exchange(command, arguments, timeout, _ATTEMPTS)
+
+    def _exchange(self, command: Command | int, arguments: bytes, timeout: float, attempts: int) -> Reply:
         with self._command_lock:
             self._request = (self._request + 1) % (1 << 16)
             wire = DELIMITER + command_wire(self._request, int(command), arguments)
             while not self._replies.empty():
                 self._replies.get_nowait()
-            for _ in range(_ATTEMPTS):
+            for _ in range(attempts):
                 self._record(self.source.now(), wire, TO_DEVICE)
                 self.source.write(wire)
                 deadline = time.monotonic() + timeout
@@ -321,13 +344,13 @@ class Session:
                     try:
                         reply = self._replies.get(timeout=min(left, 0.1))
                     except queue.Empty:
-                        if self.trouble:
-                            raise PortError(self.trouble) from None
+                        if self.trouble or self._stop.is_set():
+                            raise PortError(self.trouble or f"{self.source.name} was closed") from None
                         continue
                     if (reply.request, reply.command) == (self._request, int(command)):
                         return reply
         name = Command(command).name if command in Command._value2member_map_ else str(int(command))
-        raise CommandError(f"no reply to {name} from {self.source.name}, asked {_ATTEMPTS} times")
+        raise CommandError(f"no reply to {name} from {self.source.name}, asked {attempts} times")
 
     def demand(self, command: Command | int, arguments: bytes = b"") -> Reply:
         """Send a command; raises `CommandError` with the device's words if it is refused."""
