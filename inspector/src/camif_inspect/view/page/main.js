@@ -57,7 +57,7 @@ on("welcome", (message) => {
   encodings = message.encodings;
   at("streams").replaceChildren();
   parametersFor = null;
-  for (const element of document.querySelectorAll("#capture button, #capture input, #registers-read, #registers-follow")) {
+  for (const element of document.querySelectorAll("#capture button, #capture input, #registers-read, #registers-follow, #ask input, #ask button")) {
     element.disabled = !message.live;
     if (!message.live) element.title = "a recording takes no commands";
   }
@@ -187,6 +187,52 @@ on("log", ({ lines }) => {
   while (list.children.length > 1000) list.firstChild.remove();
   if (follows) list.scrollTop = list.scrollHeight;
 });
+
+/** Adds lines of this page's own to the log. */
+function note(level, text) {
+  const list = at("log"), time = new Date().toTimeString().slice(0, 8);
+  list.append(make("li", { className: level }, make("time", { textContent: time }), make("span", { textContent: text })));
+  list.scrollTop = list.scrollHeight;
+}
+
+// Commands in words, with the ones before under the arrow keys
+
+const said = [];
+let place = 0;
+at("ask").onsubmit = async (event) => {
+  event.preventDefault();
+  const words = at("ask-words").value.trim();
+  if (!words) return;
+  at("ask-words").value = "";
+  said.push(words);
+  place = said.length;
+  note("asked", words);
+  const answer = await ask({ do: "ask", request: split(words) });
+  note(answer.ok ? "information" : "error", answer.text);
+};
+at("ask-words").onkeydown = (event) => {
+  const move = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+  if (!move) return;
+  event.preventDefault();
+  place = Math.max(0, Math.min(said.length, place + move));
+  at("ask-words").value = said[place] ?? "";
+};
+
+/** Words apart at spaces, but for those within quotes. */
+const split = (text) => Array.from(text.matchAll(/"([^"]*)"|'([^']*)'|(\S+)/g), ([, double, single, plain]) => double ?? single ?? plain);
+
+// The line between pictures and registers
+
+const main = document.querySelector("main"), divider = at("divider");
+const dock = (height) => { main.style.setProperty("--dock", height); };
+if (localStorage.getItem("dock")) dock(localStorage.getItem("dock"));
+divider.onpointerdown = (event) => { divider.setPointerCapture(event.pointerId); divider.classList.add("dragging"); };
+divider.onpointermove = (event) => { if (divider.classList.contains("dragging")) dock(`${(100 * (innerHeight - event.clientY)) / innerHeight}vh`); };
+divider.onpointerup = divider.onpointercancel = () => {
+  divider.classList.remove("dragging");
+  localStorage.setItem("dock", main.style.getPropertyValue("--dock"));
+};
+divider.ondblclick = () => { main.style.removeProperty("--dock"); localStorage.removeItem("dock"); };
 
 // For the console, and for tests.
 window.inspector = { pictures, look, button };

@@ -153,7 +153,7 @@ export class View {
     for (let x = x0; x <= x1; x++) context.fillRect(left + x * scale, top + y0 * scale, 1, (y1 - y0) * scale);
     for (let y = y0; y <= y1; y++) context.fillRect(left + x0 * scale, top + y * scale, (x1 - x0) * scale, 1);
     const lines = head.channels.length, size = Math.min(13, scale / 4.2);
-    if (scale < 30 * Math.max(1, lines / 1.6) || size < 7) return;
+    if (scale < 30 * Math.max(1, lines / 2) || size < 7) return;
     context.font = `${size}px "Plex Mono", monospace`;
     context.textAlign = "center";
     context.textBaseline = "middle";

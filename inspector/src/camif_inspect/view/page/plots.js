@@ -18,13 +18,13 @@ let most = 240, seconds = 0.5;
 let hovered = null;
 
 const drawn = PLOTS.map((plot) => {
-  const value = make("b", { textContent: "–" }), canvas = make("canvas");
+  const value = make("b", { textContent: "–" }), canvas = make("canvas"), highest = make("div", { className: "top" });
   const element = make("div", { className: "plot" },
-    make("div", { className: "now" }, value, make("span", { textContent: plot.title })), make("div", { className: "chart" }, canvas));
+    make("div", { className: "now" }, value, make("span", { textContent: plot.title })), make("div", { className: "chart" }, canvas, highest));
   document.getElementById("plots").append(element);
   canvas.onpointermove = (event) => { hovered = 1 - event.offsetX / canvas.clientWidth; redraw(); };
   canvas.onpointerleave = () => { hovered = null; redraw(); };
-  return { ...plot, value, canvas };
+  return { ...plot, value, canvas, highest };
 });
 
 on("welcome", (message) => { history.length = 0; most = message.history; seconds = message.sample_seconds; });
@@ -39,9 +39,11 @@ function seriesOf(key, sample) {
 }
 
 function redraw() {
-  const back = hovered === null ? 0 : Math.round(hovered * most);
+  // Half a minute at first, then all there is.
+  const span = Math.min(most, Math.max(30 / seconds, history.length));
+  const back = hovered === null ? 0 : Math.round(hovered * span);
   const shown = history[history.length - 1 - back];
-  document.getElementById("line-note").textContent = back ? `${(back * seconds).toFixed(0)} s ago` : `last ${(most * seconds) / 60} minutes`;
+  document.getElementById("line-note").textContent = back ? `${(back * seconds).toFixed(0)} s ago` : `last ${Math.round(span * seconds)} s`;
   for (const plot of drawn) {
     const { canvas, value, key } = plot;
     const ratio = devicePixelRatio || 1;
@@ -60,19 +62,21 @@ function redraw() {
     const names = [...new Set(history.flatMap((sample) => seriesOf(key, sample).map(([s]) => s)))];
     const lines = names.map((s) => [s, history.map((_, i) => smooth(i, s))]);
     const top = Math.max(plot.least, ...lines.flatMap(([, values]) => values)) * 1.1;
+    const peak = Math.max(0, ...lines.flatMap(([, values]) => values));
+    plot.highest.textContent = peak ? `max ${plot.text(peak)}` : "";
     context.fillStyle = colour("--rule");
     context.fillRect(0, h - 1, w, 1);
     for (const [s, values] of lines) {
-      context.strokeStyle = plot.bad ? colour("--bad") : s >= 0 ? colour(`--stream-${s % 4}`) : colour("--gray");
+      context.strokeStyle = plot.bad ? colour(peak ? "--bad" : "--good") : s >= 0 ? colour(`--stream-${s % 4}`) : colour("--gray");
       context.lineWidth = 1.5 * ratio;
       context.lineJoin = "round";
       context.beginPath();
-      values.forEach((v, i) => context.lineTo(w - (values.length - 1 - i) * (w / most), h - 1.5 * ratio - (v / top) * (h - 4 * ratio)));
+      values.forEach((v, i) => context.lineTo(w - (values.length - 1 - i) * (w / span), h - 1.5 * ratio - (v / top) * (h - 12 * ratio)));
       context.stroke();
     }
     if (back) {
       context.fillStyle = colour("--soft");
-      context.fillRect(w - back * (w / most), 0, 1, h);
+      context.fillRect(w - back * (w / span), 0, 1, h);
     }
     const i = history.length - 1 - back;
     if (!shown) { value.textContent = "–"; continue; }

@@ -71,7 +71,7 @@ function show() {
   get.disabled = !live;
   get.title = register.readable ? "" : register.meaning;
   const head = make("div", { className: "register-head" }, make("b", { textContent: register.name }),
-    make("span", { textContent: register.meaning, title: register.meaning }), entry, get);
+    make("span", { textContent: register.meaning }), entry, get);
   if (register.writable) head.append(send);
 
   const bits = make("div", { className: "bits" });

@@ -39,7 +39,7 @@ on("picture", (head) => {
   entry.name.textContent = head.name;
   entry.what.textContent = `#${head.sequence}  ${head.width} × ${head.height}  ${head.format}`;
   let text = head.verdict;
-  if (head.missing && head.closed) text += `, ${head.missing} of ${head.height} lines missing`;
+  if (head.missing && head.closed) text = `${head.good ? "" : `${text}, `}${head.missing} lines missing`;
   else if (!head.closed) text = `${head.height - head.missing} of ${head.height} lines`;
   if (head.crc_ok === false) text += ", frame CRC wrong";
   entry.verdict.textContent = text;
