@@ -1,6 +1,7 @@
 """Whatever happens on the line: every undamaged packet is used, and no pixel is misplaced."""
 
 import zlib
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -8,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import device as devices
+import oracle
 import pictures
-from camif_inspect import encodings
+from camif_inspect import encodings, walk
 from camif_inspect.formats import FORMATS
 from camif_inspect.frame import Frame
 from camif_inspect.receiver import Receiver
@@ -147,6 +149,35 @@ def test_batches_decode_as_the_plain_encoder_encoded(name, kind, encoding, data)
     out, counts = encodings.decode(encoding, 0, payloads, pixel_format)
     assert out.tobytes() == b"".join(lines)
     assert counts.tolist() == [len(line) for line in lines]
+
+
+ORACLES = [
+    ("rgb888", encodings.QOI, oracle.qoi_colour),
+    ("gray8", encodings.QOI, lambda payload: oracle.qoi_samples(payload, 1)),
+    ("raw8", encodings.QOI, lambda payload: oracle.qoi_samples(payload, 2)),
+    ("gray8", encodings.RUN_LENGTH, lambda payload: oracle.run_length(payload, 1)),
+    ("rgb888", encodings.RUN_LENGTH, lambda payload: oracle.run_length(payload, 3)),
+    ("uyvy", encodings.RUN_LENGTH, lambda payload: oracle.run_length(payload, 4)),
+    ("gray8", encodings.BITS_RUN_LENGTH, oracle.bits_run_length),
+]
+
+
+@pytest.mark.parametrize(("name", "encoding", "plain"), ORACLES)
+@settings(max_examples=100, deadline=None)
+@given(payloads=st.lists(st.binary(max_size=300), min_size=1, max_size=6), cells=st.sampled_from([0, walk._MOST_CELLS]))
+def test_any_payloads_mean_what_the_oracle_says(name, encoding, plain, payloads, cells):
+    """Also where they are walked in groups of like length, as payloads of very different lengths are."""
+    expected = [plain(payload) for payload in payloads]
+    with mock.patch.object(walk, "_MOST_CELLS", cells):
+        if None in expected:
+            with pytest.raises(encodings.Malformed):
+                encodings.decode(encoding, 0, payloads, BY_NAME[name])
+            payloads = [payload for payload, pixels in zip(payloads, expected, strict=True) if pixels is not None]
+            expected = [pixels for pixels in expected if pixels is not None]
+        if payloads:
+            out, counts = encodings.decode(encoding, 0, payloads, BY_NAME[name])
+            assert out.tobytes() == b"".join(expected)
+            assert counts.tolist() == [len(pixels) for pixels in expected]
 
 
 @pytest.mark.parametrize("encoding", [encodings.RUN_LENGTH, encodings.QOI, encodings.BITS_RUN_LENGTH, encodings.BITS])

@@ -13,6 +13,7 @@ The map, in data-flow order:
 | `port` | where bytes come from: a port by its pyserial URL, or a recording |
 | `packet` | packets of the link: framing, CRC, fields |
 | `encodings` | the encodings of a line, undone by numpy, a batch at a time |
+| `walk`, `qoi` | payloads taken apart, all lines of a batch together; QOI of colour and of samples |
 | `frame` | a frame: pixels in their places, what is missing, the device's verdict |
 | `receiver` | bytes become frames, log and statistics; pure |
 | `formats` | what the bytes of a pixel mean, and how they look |
