@@ -15,6 +15,7 @@
 //! | [`picture`] | the bytes of a frame become a picture; files in and out |
 //! | [`guess`] | the profile of a trace that has none |
 //! | [`pipeline`] | the algorithms by name, on a picture |
+//! | [`report`] | a diagnosis as one HTML file, and as JUnit |
 //! | [`capture`] | real cameras: V4L2 |
 //! | [`command`] | the command line |
 #![forbid(unsafe_code)]
@@ -30,5 +31,6 @@ pub mod campaign;
 pub mod picture;
 pub mod guess;
 pub mod pipeline;
+pub mod report;
 pub mod capture;
 pub mod command;

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 use clap::Args;
@@ -7,10 +7,12 @@ use firmware::camif::Bus;
 use super::Outcome;
 use super::generate::generate;
 use super::replay::replay;
-use super::showcase::showcase;
+use super::showcase::{Shown, showcase};
+use crate::diagnosis::{Recording, diagnose};
 use crate::picture;
 use crate::profile::{DEFAULT, Profile};
 use crate::receiver::Source;
+use crate::report::{self, Illustration, Subject};
 use crate::scene::Scene;
 use crate::trace::SignalMap;
 
@@ -45,10 +47,12 @@ impl Demo {
         let report = replay(&source, Bus::IDEAL, Some(&self.out), None)?;
         let first = self.out.join("frame-0000.png");
         let shown = if report.is_good() { showcase(&picture::read(&first)?, &self.out)? } else { Vec::new() };
+        let html = write_report(&source, &shown, &self.out)?;
         let received: Vec<_> = report.frames.iter().filter_map(|frame| frame.crc32).collect();
         if self.json {
             let mut object = serde_json::to_value(&report)?;
             object["pictures"] = serde_json::to_value(&shown)?;
+            object["report"] = serde_json::to_value(&html)?;
             println!("{object:#}");
         } else {
             println!(
@@ -66,7 +70,35 @@ impl Demo {
             for shown in &shown {
                 println!("               {}: {}", shown.png.display(), shown.about);
             }
+            println!("report         {} (open it in a browser)", html.display());
         }
         Ok(if report.is_good() { Outcome::Fine } else { Outcome::Fault })
     }
+}
+
+/// Diagnoses the demo's own trace and writes its report, with what the algorithms made of the first frame.
+fn write_report(source: &Source, shown: &[Shown], out: &Path) -> anyhow::Result<PathBuf> {
+    let mut recording = Recording::default();
+    source.play(&mut recording, &mut |_| {})?;
+    let diagnosis = diagnose(&recording, source.profile(), source.trace().info().pclk_hz);
+    let mut page = report::build(&Subject {
+        source,
+        recording: &recording,
+        diagnosis: &diagnosis,
+        guess: None,
+        guess_is_profile: false,
+        notes: source.notes(),
+        bus: Bus::IDEAL,
+    })?;
+    for shown in shown {
+        let picture = page.add(&picture::read(&shown.png)?);
+        page.illustrations.push(Illustration {
+            about: shown.about.to_owned(),
+            how: shown.op.to_owned(),
+            picture,
+        });
+    }
+    let path = out.join("report.html");
+    report::write(&page, &path)?;
+    Ok(path)
 }

@@ -10,9 +10,11 @@ use super::{Outcome, progress};
 use crate::diagnosis::{
     Comparison, Diagnosis, FaultKind, MOST_CLOCKS, Place, Recording, Sent, compare, diagnose, fix,
 };
+use crate::guess::{guess_file, profile_for};
 use crate::picture;
 use crate::profile::Profile;
-use crate::receiver::{Source, capture_config, receive};
+use crate::receiver::{Source, capture_config, parse_bus, receive};
+use crate::report::{self, Subject, junit};
 use crate::trace::SignalMap;
 use firmware::camif::Bus;
 
@@ -21,7 +23,8 @@ use firmware::camif::Bus;
 pub struct Diagnose {
     /// The trace, of any format that `replay` reads
     trace: PathBuf,
-    /// Built-in profile or TOML file that the trace should fit; without it the one that the trace carries
+    /// Built-in profile or TOML file that the trace should fit, or `auto` to guess it; without it the one that the trace carries, else
+    /// guessed
     #[arg(long)]
     profile: Option<String>,
     /// Which signals are the wires, for instance PCLK=CH0,HSYNC=CH1,D0=CH3
@@ -33,6 +36,15 @@ pub struct Diagnose {
     /// Writes the corrected profile and the picture before and after to this folder
     #[arg(long, value_name = "DIR")]
     fix: Option<PathBuf>,
+    /// Writes a report to look at: one HTML file with pictures, waveforms and all numbers, which needs no network
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// For the report's FIFO and DMA: pixel clocks from DMA request to grant, as in `replay`
+    #[arg(long, value_name = "LATENCY", default_value = "0", requires = "report")]
+    bus_latency: String,
+    /// Writes JUnit XML for a CI: a test case for each class of faults
+    #[arg(long, value_name = "FILE.xml")]
+    junit: Option<PathBuf>,
     /// Prints one JSON object on stdout
     #[arg(long)]
     json: bool,
@@ -47,14 +59,21 @@ struct Report<'a> {
     diagnosis: &'a Diagnosis,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     fixed: Vec<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    report: Option<&'a Path>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    junit: Option<&'a Path>,
 }
 
 impl Diagnose {
     pub(super) fn run(&self) -> anyhow::Result<Outcome> {
-        let profile = self.profile.as_deref().map(Profile::find).transpose()?;
+        let bus = parse_bus(&self.bus_latency)?;
         let map = self.map.as_deref().map(SignalMap::parse).transpose()?.unwrap_or_default();
-        let source = Source::open(&self.trace, profile.as_ref(), map)?;
-        for note in source.notes() {
+        let (profile, mut notes) = profile_for(&self.trace, self.profile.as_deref(), &map)?;
+        let guess_is_profile = !notes.is_empty();
+        let source = Source::open(&self.trace, profile.as_ref(), map.clone())?;
+        notes.extend_from_slice(source.notes());
+        for note in &notes {
             eprintln!("note: {note}");
         }
         let profile = source.profile();
@@ -84,13 +103,32 @@ impl Diagnose {
             Some(folder) => write_fix(&diagnosis, profile, &source, &frames, folder)?,
             None => Vec::new(),
         };
+        let trace = self.trace.display().to_string();
+        if let Some(path) = &self.junit {
+            picture::write_raw(path, junit(&trace, &profile.name, &diagnosis)?.as_bytes())?;
+        }
+        if let Some(path) = &self.report {
+            // A trace of which nothing can be guessed has a report all the same.
+            let guess = guess_file(&self.trace, &map).map_err(|error| notes.push(error.to_string())).ok();
+            let subject = Subject {
+                source: &source,
+                recording: &recording,
+                diagnosis: &diagnosis,
+                guess: guess.as_ref(),
+                guess_is_profile,
+                notes: &notes,
+                bus,
+            };
+            report::write(&report::build(&subject)?, path)?;
+        }
         if self.json {
-            let trace = self.trace.display().to_string();
-            let report = Report { trace, profile: &profile.name, diagnosis: &diagnosis, fixed };
+            let (report, junit) = (self.report.as_deref(), self.junit.as_deref());
+            let report =
+                Report { trace, profile: &profile.name, diagnosis: &diagnosis, fixed, report, junit };
             println!("{}", serde_json::to_string_pretty(&report)?);
         } else {
             print!("{}", text(&diagnosis, received.is_some()));
-            for path in fixed {
+            for path in fixed.iter().chain(&self.report).chain(&self.junit) {
                 println!("written        {}", path.display());
             }
         }

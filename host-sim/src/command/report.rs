@@ -10,6 +10,7 @@ use crate::picture;
 use crate::pipeline::{Picture, Runner};
 use crate::profile::{Choice, Profile};
 use crate::receiver::{Received, Summary};
+pub(super) use crate::report::grouped;
 
 /// What came of a replay: the JSON of `--json`.
 #[derive(Debug, Serialize)]
@@ -205,28 +206,5 @@ impl fmt::Display for Report {
         }
         let rate = if self.seconds > 0.0 { self.pclk as f64 / self.seconds / 1e6 } else { 0.0 };
         write!(f, "took           {:.3} s, {rate:.0} million clocks a second", self.seconds)
-    }
-}
-
-/// A number with commas between thousands.
-pub(super) fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thousands_are_grouped() {
-        assert_eq!([0, 999, 1000, 27_648_000].map(grouped), ["0", "999", "1,000", "27,648,000"]);
     }
 }

@@ -12,6 +12,7 @@
 //! | `finding` | what comes out: [`Diagnosis`], its findings, evidence, remedies |
 //! | `recording` | the beginning of a trace in memory |
 //! | `shape` | frames and lines as sync cuts them |
+//! | `cut` | the same for others: [`cut()`] |
 //! | `structure` | what the lengths of lines, gaps, frames and pulses say |
 //! | `planes` | colour planes, and what a picture costs in bits |
 //! | `data` | what the samples say |
@@ -23,6 +24,7 @@
 mod finding;
 mod recording;
 mod shape;
+mod cut;
 mod structure;
 mod planes;
 mod data;
@@ -32,6 +34,7 @@ mod received;
 mod fix;
 
 pub use crate::fault::FaultKind;
+pub use cut::{CutFrame, CutLine, cut};
 pub use finding::{Diagnosis, Evidence, Finding, Measured, Place, Remedy};
 pub use fix::{Fix, Samples, fix};
 pub use judge::diagnose;
