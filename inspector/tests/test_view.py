@@ -2,9 +2,7 @@
 
 import asyncio
 import base64
-import contextlib
 import json
-import shutil
 import subprocess
 import sys
 import time
@@ -19,6 +17,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
 import pictures
+from browser import available, headless, resize, wait_for
 
 
 @pytest.fixture
@@ -64,33 +63,10 @@ def test_only_its_own_page_may_listen(view):
 
 @pytest.fixture
 def browser(tmp_path):
-    if not (shutil.which("chromium") and shutil.which("chromedriver")):
+    if not available():
         pytest.skip("no browser test: chromium and chromedriver are not installed")
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = shutil.which("chromium")
-    flags = "headless no-sandbox disable-gpu disable-quic no-first-run disable-background-networking"
-    for flag in [*flags.split(), "disable-component-update", "disable-sync", f"user-data-dir={tmp_path / 'profile'}"]:
-        options.add_argument(f"--{flag}")
-    driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
-    driver.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride", {"width": 1280, "height": 800, "deviceScaleFactor": 1, "mobile": False}
-    )
-    try:
+    with headless(tmp_path / "profile", 1280, 800) as driver:
         yield driver
-    finally:
-        with contextlib.suppress(Exception):
-            driver.quit()
-
-
-def wait_for(browser, script, seconds=20):
-    until = time.monotonic() + seconds
-    while not (value := browser.execute_script(f"return {script}")):
-        assert time.monotonic() < until, script
-        time.sleep(0.05)
-    return value
 
 
 CROP = """
@@ -130,3 +106,45 @@ def test_a_browser_shows_the_right_picture_and_commands_the_device(view, browser
     assert np.array_equal(np.asarray(Image.open(saved)), pictures.colour(int(saved.stem.split("-")[1])))
     browser.execute_script("document.getElementById('start').click()")
     wait_for(browser, "document.getElementById('link-state').textContent == 'live'")
+
+
+CUT = """
+const cut = [];
+for (const element of document.querySelectorAll("h1, h2, button, dt, dd, label, .now *, .fields *, .register-head *")) {
+  const box = element.getBoundingClientRect();
+  if (box.width && element.scrollWidth > element.clientWidth + 1 && element.clientWidth) cut.push(element.textContent);
+}
+const over = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
+  && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
+const laps = [];
+for (const group of ["#stage, aside, #dock", ".plot", "aside .panel", "#dock .panel", "header > *"]) {
+  const parts = [...document.querySelectorAll(group)].map((part) => part.getBoundingClientRect());
+  parts.forEach((a, i) => parts.slice(i + 1).forEach((b) => over(a, b) && laps.push(group)));
+}
+return [cut, laps, document.documentElement.scrollWidth <= innerWidth];
+"""
+
+
+@pytest.mark.browser
+def test_nothing_is_cut_or_lies_on_another_in_any_window(view, browser):
+    browser.get(view)
+    wait_for(browser, "inspector.pictures().length == 2")
+    browser.execute_script("document.getElementById('registers-read').click()")
+    wait_for(browser, "document.querySelector('#register-list td:nth-child(3)').textContent == '000040E3'")
+    for size in ((1280, 800), (1600, 1000), (1920, 1080), (900, 800), (420, 900)):
+        resize(browser, *size)
+        time.sleep(0.3)
+        cut, laps, fits = browser.execute_script(CUT)
+        assert (size, cut, laps, fits) == (size, [], [], True)
+
+
+@pytest.mark.browser
+def test_a_command_in_words_is_answered_in_the_log(view, browser, device):
+    browser.get(view)
+    wait_for(browser, "inspector.pictures().length == 2")
+    say = "document.getElementById('ask-words').value = arguments[0]; document.querySelector('#ask button').click()"
+    browser.execute_script(say, "stages 1 'gray|canny:low=50, high=150'")
+    wait_for(browser, "document.getElementById('log').textContent.includes('stream 1: gray|canny:low=50, high=150')")
+    assert device.pipelines[1] == "gray|canny:low=50, high=150"
+    browser.execute_script(say, "jump")
+    wait_for(browser, "document.querySelector('#log .error').textContent.includes('`jump` is no request')")

@@ -49,8 +49,8 @@ class Walk:
     @property
     def operations(self) -> Counts:
         """For each payload the number of its operations."""
-        running: npt.NDArray[np.bool_] = np.not_equal(self.places, self.ends)
-        return running.sum(axis=0, dtype=np.int64)
+        operations: Counts = np.sum(self.places != self.ends, axis=0, dtype=np.int64)
+        return operations
 
     def in_order(self) -> Places:
         """Give the places of all operations, one payload after the other."""
