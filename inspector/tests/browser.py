@@ -34,8 +34,9 @@ def resize(driver, width, height):
 
 
 def wait_for(driver, script, seconds=20):
+    """Wait for something to be so, and for the page to be so far that it can be asked."""
     until = time.monotonic() + seconds
-    while not (value := driver.execute_script(f"return {script}")):
+    while not (value := driver.execute_script(f"try {{ return {script} }} catch {{ return null }}")):
         assert time.monotonic() < until, script
         time.sleep(0.05)
     return value
