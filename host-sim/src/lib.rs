@@ -17,6 +17,7 @@
 //! | [`pipeline`] | the algorithms by name, on a picture |
 //! | [`report`] | a diagnosis as one HTML file, and as JUnit |
 //! | [`capture`] | real cameras: V4L2 |
+//! | [`stream`] | a device on a serial line, played |
 //! | [`command`] | the command line |
 #![forbid(unsafe_code)]
 
@@ -33,4 +34,5 @@ pub mod guess;
 pub mod pipeline;
 pub mod report;
 pub mod capture;
+pub mod stream;
 pub mod command;

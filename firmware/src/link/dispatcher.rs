@@ -54,6 +54,11 @@ impl<'m> Dispatcher<'m> {
         Self { memory, checksum, seen: None, status: Status::Done, length: 0 }
     }
 
+    /// Another host is there: its first command is none that was answered before.
+    pub fn forget(&mut self) {
+        self.seen = None;
+    }
+
     /// Has the device carry out a command; returns what to send.
     pub fn handle(&mut self, device: &mut dyn Device, command: &Command<'_>) -> (Reply<'_>, Then) {
         let Command { request, code, arguments } = *command;
@@ -375,6 +380,8 @@ mod tests {
         let hello = Command { request: 3, code: 1, arguments: &[] };
         assert_eq!(dispatcher.handle(&mut board, &hello).1, Then::Hello);
         assert_eq!(dispatcher.handle(&mut board, &hello).1, Then::Nothing);
+        dispatcher.forget();
+        assert_eq!(dispatcher.handle(&mut board, &hello).1, Then::Hello);
     }
 
     #[test]

@@ -37,6 +37,11 @@ impl embedded_hal::delay::DelayNs for NoDelay {
 impl BringUp {
     /// What the sensor sends after bring-up; `None` if no sensor was asked for.
     pub(super) fn run(&self) -> anyhow::Result<Option<Readout>> {
+        Ok(self.sensor()?.map(|(_, readout)| readout))
+    }
+
+    /// The same, and the sensor.
+    pub(super) fn sensor(&self) -> anyhow::Result<Option<(VirtualSensor, Readout)>> {
         let Some(name) = &self.sensor else { return Ok(None) };
         let model = model(name)?;
         let mode = match &self.mode {
@@ -61,7 +66,8 @@ impl BringUp {
             let (register, value) = parse_set(set)?;
             sensor.write(register, value)?;
         }
-        let readout = chip.borrow().readout().with_context(|| format!("{} {}", model.name, mode.name))?;
+        let chip = chip.into_inner();
+        let readout = chip.readout().with_context(|| format!("{} {}", model.name, mode.name))?;
         for note in &readout.notes {
             eprintln!("note: {note}");
         }
@@ -72,7 +78,7 @@ impl BringUp {
                 "note: the sensor sends {is}, which no profile can say; the trace's profile says {nearest}"
             );
         }
-        Ok(Some(readout))
+        Ok(Some((chip, readout)))
     }
 }
 

@@ -1,5 +1,4 @@
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -8,7 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::capture_report::{DeviceReport, Report, list, list_controls};
 use super::process::print_help;
-use super::{Outcome, progress};
+use super::{Outcome, progress, stop_on_signal};
 use crate::capture::{self, CaptureDevice, CaptureError, Files, Limits, Output, Settings};
 use crate::pipeline::Pipeline;
 use crate::profile::{DEFAULT, Profile};
@@ -121,11 +120,7 @@ impl Capture {
             bail!("a trace holds one camera; give one device to --as-trace");
         }
         let profile = self.as_trace.as_ref().map(|_| Profile::find(&self.profile)).transpose()?;
-        let stop = Arc::new(AtomicBool::new(false));
-        let signals = [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM];
-        for signal in signals {
-            signal_hook::flag::register(signal, Arc::clone(&stop)).context("Ctrl-C can't be waited for")?;
-        }
+        let stop = stop_on_signal()?;
         let bars = progress::lines();
         let one = |device: &PathBuf| {
             let line = bars.add(progress::line());

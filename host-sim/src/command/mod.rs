@@ -13,6 +13,7 @@
 //! | `process` | a picture file goes through a pipeline |
 //! | `capture` | frames of real cameras, to look at, for the algorithms, as a trace |
 //! | `capture_report` | which cameras there are, and what came of a capture |
+//! | `stream` | a device on a serial line, for the inspector |
 //! | `showcase` | what the demo makes of its first frame |
 //! | `clock` | the clock as it was recovered, for people and as JSON |
 //! | `report` | what came of a replay, for people and as JSON |
@@ -33,6 +34,7 @@ mod progress;
 mod replay;
 mod report;
 mod showcase;
+mod stream;
 
 pub use campaign::{Campaign, Merge};
 pub use capture::Capture;
@@ -43,7 +45,12 @@ pub use guess::Guess;
 pub use inject::Inject;
 pub use process::Process;
 pub use replay::Replay;
+pub use stream::Stream;
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use anyhow::Context as _;
 use clap::Subcommand;
 
 /// What came of a command: the exit status says it as 0 or 1.
@@ -78,6 +85,8 @@ pub enum Command {
     Process(Process),
     /// Take frames of a real camera: to look at, for --op, or as a trace
     Capture(Capture),
+    /// Play a device on the serial link, over TCP or a pseudo-terminal, for the inspector
+    Stream(Stream),
 }
 
 impl Command {
@@ -97,6 +106,16 @@ impl Command {
             Self::Merge(merge) => merge.run(),
             Self::Process(process) => process.run(),
             Self::Capture(capture) => capture.run(),
+            Self::Stream(stream) => stream.run(),
         }
     }
+}
+
+/// Is set by Ctrl-C or a request to terminate.
+fn stop_on_signal() -> anyhow::Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop)).context("Ctrl-C can't be waited for")?;
+    }
+    Ok(stop)
 }

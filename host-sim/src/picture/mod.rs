@@ -16,7 +16,7 @@ mod decode;
 mod crc;
 mod file;
 
-pub use crc::{crc32, crc32_of};
+pub use crc::{crc32, crc32_after, crc32_of};
 pub use decode::{Decoded, decode};
 pub(crate) use demosaic::demosaic;
 pub use encode::encode;

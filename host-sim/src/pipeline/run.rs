@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::time::{Duration, Instant};
 
 use algos_nostd::color::balance::running::RunningWhite;
@@ -19,15 +20,22 @@ pub(super) struct Memory {
 /// Sends pictures through a pipeline, one after the other. Stages that follow something over frames remember it here.
 #[derive(Debug)]
 pub struct Runner<'a> {
-    stages: Vec<(&'a Invocation, Memory, Duration)>,
+    stages: Vec<(Cow<'a, Invocation>, Memory, Duration)>,
 }
 
 impl<'a> Runner<'a> {
     /// Nothing seen yet.
     #[must_use]
     pub fn new(pipeline: &'a Pipeline) -> Self {
-        let fresh = |stage| (stage, Memory::default(), Duration::ZERO);
+        let fresh = |stage| (Cow::Borrowed(stage), Memory::default(), Duration::ZERO);
         Self { stages: pipeline.stages.iter().map(fresh).collect() }
+    }
+
+    /// The same, which keeps the pipeline.
+    #[must_use]
+    pub fn owning(pipeline: Pipeline) -> Runner<'static> {
+        let fresh = |stage| (Cow::Owned(stage), Memory::default(), Duration::ZERO);
+        Runner { stages: pipeline.stages.into_iter().map(fresh).collect() }
     }
 
     /// Sends a picture through all stages.
