@@ -129,7 +129,7 @@ impl Noise {
             lost: trials(rates.lost),
             dropped: trials(rates.dropped),
             inserted: trials(rates.inserted),
-            random: Random::new(seed ^ 0x6E6F_6973_65),
+            random: Random::new(seed ^ 0x006E_6F69_7365),
             losing: false,
             between: true,
             quiet: rates == Rates::default(),

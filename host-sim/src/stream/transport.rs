@@ -139,12 +139,10 @@ impl Transport for Tcp {
         if self.broken {
             return;
         }
-        let host = self.host.as_ref().map(|host| (host, to_write));
-        match host {
-            Some((host, to_write)) => {
-                super::pty::wait_for(&[(&self.listener, false), (host, to_write)], longest)
-            }
-            None => super::pty::wait_for(&[(&self.listener, false)], longest),
+        let listener: (&dyn std::os::fd::AsFd, bool) = (&self.listener, false);
+        match &self.host {
+            Some(host) => super::pty::wait_for(&[listener, (host, to_write)], longest),
+            None => super::pty::wait_for(&[listener], longest),
         }
     }
 
