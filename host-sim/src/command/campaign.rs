@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::{Outcome, progress};
 use crate::campaign::{CaseResult, Header, Pictures, Plan, Shard, Table, merge, run, write};
 use crate::picture;
+use crate::report::campaign_junit;
 
 /// Options of `campaign`.
 #[derive(Debug, Args)]
@@ -61,6 +62,9 @@ struct Tables {
     /// Writes the table there instead
     #[arg(long, requires = "table")]
     bless: bool,
+    /// Writes JUnit XML for a CI: a test case for each class of faults
+    #[arg(long, value_name = "FILE.xml")]
+    junit: Option<PathBuf>,
 }
 
 impl Campaign {
@@ -74,7 +78,9 @@ impl Campaign {
         }
         plan.clean = self.clean.unwrap_or(plan.clean);
         let shard: Shard = self.shard.as_deref().map_or(Ok(Shard::WHOLE), str::parse)?;
-        if shard != Shard::WHOLE && (self.output.is_none() || self.tables.table.is_some()) {
+        if shard != Shard::WHOLE
+            && (self.output.is_none() || self.tables.table.is_some() || self.tables.junit.is_some())
+        {
             bail!("a shard has no table of its own; write it with `-o RESULTS.jsonl`, then `host-sim merge`");
         }
         let pictures = self.pictures.as_deref().map(Pictures::open).transpose()?.unwrap_or_default();
@@ -119,6 +125,9 @@ impl Tables {
         println!("{table}");
         for short in table.shortfalls() {
             println!("short: {short}");
+        }
+        if let Some(path) = &self.junit {
+            picture::write_raw(path, campaign_junit(results, &table.shortfalls())?.as_bytes())?;
         }
         if let Some(path) = &self.table {
             self.compare(path, &table.to_string())?;

@@ -65,7 +65,10 @@ pub fn build(subject: &Subject<'_>) -> Result<Page, ReportError> {
     let (received, summary) = take(source, given, subject.bus, Some(&mut activity))?;
     let (mut frames, mut profile) = (received.clone(), given.clone());
     if !has_picture(&frames) {
-        page.notes.push(format!("no frame came by the profile as given: {}", summary.last.cause));
+        let why = summary.last.cause;
+        page.notes.push(format!(
+            "by the profile as given came no frame with data in it; at the trace's end: {why}"
+        ));
         for mended in diagnosis.findings.iter().filter_map(|finding| fix(finding, given)) {
             let mut again = Activity::new(MOST_BUCKETS);
             let (better, _) = take(source, &mended.profile, subject.bus, Some(&mut again))?;
@@ -124,7 +127,7 @@ pub fn build(subject: &Subject<'_>) -> Result<Page, ReportError> {
 }
 
 fn has_picture(frames: &[Taken]) -> bool {
-    frames.iter().any(|frame| frame.bytes.is_some())
+    frames.iter().any(|frame| frame.bytes.is_some() && frame.verdict.bytes > 0)
 }
 
 /// The verdict in a few words, and in a sentence.
@@ -180,7 +183,9 @@ fn place(finding: &Finding, profile: &Profile, cuts: &[CutFrame], cut_of: &[Opti
         return FindingPlace { clock: start, frame, row: None, everywhere };
     }
     let clock = finding.at_pclk;
-    let which = cuts.partition_point(|cut| cut.end.is_some_and(|end| end <= clock));
+    // What is told of a line at the very end of a frame is of the frame that ended.
+    let ended = |end: u64| end < clock || end == clock && finding.line.unwrap_or(0) == 0;
+    let which = cuts.partition_point(|cut| cut.end.is_some_and(ended));
     let frame = cut_of.iter().position(|cut| *cut == Some(which));
     let row = cuts
         .get(which)

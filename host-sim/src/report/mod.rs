@@ -31,7 +31,7 @@ mod junit;
 
 pub use build::{Subject, build};
 pub use html::write;
-pub use junit::junit;
+pub use junit::{campaign_junit, junit};
 pub use page::{BusFacts, FindingPlace, FrameFacts, Illustration, Lines, Page, Rival, Shot};
 pub(crate) use text::grouped;
 pub use waves::Wave;

@@ -171,6 +171,27 @@ def test_the_demo_has_a_report_too(browser, tmp_path):
     assert browser.get_log("browser") == []
 
 
+@pytest.mark.parametrize("export", ["sr", "vcd", "digital.csv"])
+def test_a_capture_as_an_analyser_exports_it_has_a_report(browser, tmp_path, export):
+    """sigrok-cli writes what PulseView exports; the files of Logic 2 are as its documents say, written by host-sim."""
+    if export != "digital.csv" and not shutil.which("sigrok-cli"):
+        pytest.skip("no sigrok-cli (apt install sigrok-cli): its exports are not tried")
+    host_sim(tmp_path, "generate", "--scene", "demo", "--profile", PROFILE, "--frames", "2", "-o", "a.camt")
+    ours = "digital.csv" if export == "digital.csv" else "b.sr"
+    host_sim(tmp_path, "inject", "a.camt", "--fault", "stuck-bit:bit=6,level=low", "-o", ours)
+    if export != "digital.csv":
+        arguments = ["-i", ours, "-O", {"sr": "srzip", "vcd": "vcd"}[export], "-o", f"export.{export}"]
+        subprocess.run(["sigrok-cli", *arguments], cwd=tmp_path, check=True, timeout=120)
+    trace = ours if export == "digital.csv" else f"export.{export}"
+    host_sim(tmp_path, "diagnose", trace, "--profile", PROFILE, "--report", "report.html", status=1)
+    size(browser, 1280)
+    browser.get((tmp_path / "report.html").as_uri())
+    assert "stuck-bit" in browser.find_element("tag name", "h1").text
+    assert "D6" in browser.find_element("css selector", ".finding").text
+    assert run(browser, "pinsAt(chosen.clock)")["data"] & 1 << 6 == 0
+    assert browser.get_log("browser") == []
+
+
 def documented():
     """The commands of README.md that make the documented report, as lists of arguments."""
     lines = (Path(__file__).parents[3] / "README.md").read_text().splitlines()
