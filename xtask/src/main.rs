@@ -10,6 +10,7 @@
 //! | `size` | flash and RAM of an image |
 //! | `silicon` | checks the images for silicon as files, and flashes them |
 //! | `suite` | all images, one after the other |
+//! | `audit` | panics, stack and `unsafe`: nothing hidden |
 //! | `board_emu` | images for STM32 on emulated boards |
 
 mod toolchain;
@@ -20,6 +21,7 @@ mod snapshot;
 mod size;
 mod silicon;
 mod suite;
+mod audit;
 mod board_emu;
 
 use std::path::{Path, PathBuf};
@@ -49,6 +51,8 @@ enum Command {
         #[arg(long)]
         bless: bool,
     },
+    /// Audit the images: who calls the panic handler, how deep the stack goes; and count `unsafe` in the sources
+    Audit(audit::Options),
     /// Flash a board's image and show its log (needs probe-rs)
     Flash {
         /// A package of `firmware/boards/`
@@ -78,6 +82,7 @@ fn main() -> ExitCode {
         Command::Setup(options) => setup::run(&options),
         Command::BuildBoards { packages } => boards::build(&packages).map(|_| true),
         Command::CheckBoards { bless } => silicon::check(bless),
+        Command::Audit(options) => audit::run(&options),
         Command::Flash { package } => silicon::flash(&package),
         Command::Qemu(options) => suite::run(&options),
         Command::BoardEmu { arguments } if arguments.is_empty() => board_emu::test(),

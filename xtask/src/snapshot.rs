@@ -4,12 +4,14 @@
 //! |---|---|---|
 //! | `NAME.out` | the messages of a run | exactly |
 //! | `NAME.size` | flash and RAM | may not grow by more than 2 % and 256 bytes |
-//! | `NAME.cost` | numbers that a run measured | none may rise by more than 1 % and 1 |
+//! | `NAME.cost` | numbers that a run measured | none may rise at all: counting is exact |
+//! | `NAME.stack` | the bound on the stack | may not grow by more than 5 % and 64 bytes |
+//! | `NAME.panics` | calls of the panic handler, by source | none may rise at all |
 //!
 //! Sizes and costs are a compiler's as well as ours: they stand under its name, `# rustc 1.96.0`, and those of a compiler
 //! that nobody has blessed with are not compared.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -31,6 +33,11 @@ pub(crate) type Numbers = BTreeMap<String, f64>;
 pub(crate) struct Tolerance {
     pub(crate) relative: f64,
     pub(crate) absolute: f64,
+}
+
+impl Tolerance {
+    /// Not at all.
+    pub(crate) const EXACT: Self = Self { relative: 0.0, absolute: 0.0 };
 }
 
 /// Compares lines exactly.
@@ -91,6 +98,26 @@ pub(crate) fn compare_numbers(
     Ok(())
 }
 
+/// Says so, once and aloud, if sizes and costs of this compiler cannot be compared because nobody has blessed with it.
+pub(crate) fn say_if_unblessed(folder: &Path, compiler: &str) -> Result<()> {
+    let mut known = BTreeSet::new();
+    for entry in std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "size") {
+            known.extend(sections(&read(&path)?.unwrap_or_default()).into_keys());
+        }
+    }
+    if !known.contains(compiler) {
+        let known: Vec<_> = known.iter().map(String::as_str).collect();
+        println!(
+            "NOTE: sizes and costs are NOT compared: they were blessed with {}, and this is {compiler}. CAMIF_RUSTC names \
+             another compiler.",
+            known.join(" and ")
+        );
+    }
+    Ok(())
+}
+
 /// Takes numbers as right for this compiler; those of others stay.
 pub(crate) fn bless_numbers(path: &Path, compiler: &str, numbers: &[(String, f64)]) -> Result<()> {
     let text = read(path)?.unwrap_or_default();
@@ -111,6 +138,7 @@ fn sections(text: &str) -> BTreeMap<String, Vec<(String, f64)>> {
     for line in text.lines() {
         if let Some(name) = line.strip_prefix("# ") {
             compiler = name;
+            sections.entry(compiler.to_owned()).or_default();
         } else if let Some((name, number)) = line.rsplit_once(' ')
             && let Ok(number) = number.parse()
         {

@@ -6,6 +6,7 @@ use std::time::Duration;
 use anyhow::{Result, bail};
 use camif_tests::on_core;
 
+use crate::audit;
 use crate::boards::{self, Image};
 use crate::qemu::{self, Board, End, Run};
 use crate::size::Size;
@@ -21,6 +22,9 @@ const DEADLINE: Duration = Duration::from_secs(60);
 
 /// A message that tells a measured number: `measured NAME NUMBER`.
 const MEASURED: &str = "measured ";
+
+/// What every image measures: how deep its stack went.
+const STACK: &str = "stack high-water mark, bytes";
 
 #[derive(clap::Args)]
 pub(crate) struct Options {
@@ -42,6 +46,7 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     let toolchain = Toolchain::find()
         .map_err(|missing| anyhow::anyhow!("{missing:?} is missing for Cortex-M: see `cargo xtask setup`"))?;
     let images = select(boards::build(&[PACKAGE.to_owned()])?, &options.images)?;
+    snapshot::say_if_unblessed(&boards::folder().join(PACKAGE).join("snapshots"), &toolchain.version)?;
     let boards = options.board.map_or(Board::ALL.to_vec(), |board| vec![board]);
     let (mut passed, mut failed) = (0, 0);
     for image in &images {
@@ -114,6 +119,17 @@ fn check(image: &Image, board: Board, toolchain: &Toolchain, options: &Options) 
         findings.failures.push("a measured number is not a number".to_owned());
     }
     let lines: Vec<String> = lines.into_iter().cloned().collect();
+    let used = costs.iter().find(|(name, _)| name == STACK).map(|&(_, bytes)| bytes);
+    match (used, audit::stack_bound(image)?) {
+        (Some(used), Some(bound)) if used <= f64::from(bound) => {
+            println!("  {used} bytes of stack used, {bound} at most");
+        }
+        (Some(used), Some(bound)) => {
+            findings.failures.push(format!("used {used} bytes of stack, and {bound} was the bound"));
+        }
+        (None, _) => findings.failures.push(format!("does not tell `{MEASURED}{STACK}`")),
+        (_, None) => findings.failures.push("has no bound on its stack: see `cargo xtask audit`".to_owned()),
+    }
     let size = Size::of(&image.elf)?;
     let sizes = [("flash".to_owned(), size.flash as f64), ("ram".to_owned(), size.ram as f64)];
     let snapshots = snapshots(board);
@@ -133,9 +149,8 @@ fn check(image: &Image, board: Board, toolchain: &Toolchain, options: &Options) 
     let tolerance = Tolerance { relative: 0.02, absolute: 256.0 };
     let sizes = sizes.into_iter().collect();
     snapshot::compare_numbers(&size_path, compiler, &sizes, tolerance, &mut findings)?;
-    let tolerance = Tolerance { relative: 0.01, absolute: 1.0 };
     let costs = costs.into_iter().collect();
-    snapshot::compare_numbers(&path("cost"), compiler, &costs, tolerance, &mut findings)?;
+    snapshot::compare_numbers(&path("cost"), compiler, &costs, Tolerance::EXACT, &mut findings)?;
     Ok(findings)
 }
 

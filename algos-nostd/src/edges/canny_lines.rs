@@ -166,7 +166,8 @@ impl<'m, S: Smoothing> CannyLines<'m, S> {
     fn differentiate_line(&mut self, sink: &mut impl LineSink<Marks>) {
         let started = self.ridge.started;
         let (x, y, magnitudes) = self.ridge.next_row();
-        let gradient = Gradients { x, y, magnitudes: &mut magnitudes[1..=self.width] };
+        let magnitudes = magnitudes.get_mut(1..=self.width).unwrap_or_default();
+        let gradient = Gradients { x, y, magnitudes };
         match self.norm {
             Norm::L1 => sobel_l1(self.smooth.rows(), gradient),
             Norm::L2 => sobel_l2(self.smooth.rows(), gradient),
@@ -264,8 +265,11 @@ fn sobel_l2(rows: [&[u16]; 3], gradients: Gradients<'_>) {
 fn sobel(rows: [&[u16]; 3], gradients: Gradients<'_>, magnitude: impl Fn(i16, i16) -> u32) {
     let Gradients { x: x_row, y: y_row, magnitudes } = gradients;
     let width = magnitudes.len();
-    let [[a, b, c], [d, _, f], [g, h, i]] = rows.map(|row| shifted::<u16, 3>(row, width));
-    let (x_row, y_row) = (&mut x_row[..width], &mut y_row[..width]);
+    let [Some([a, b, c]), Some([d, _, f]), Some([g, h, i])] = rows.map(|row| shifted::<u16, 3>(row, width))
+    else {
+        return; // rows are as wide as they must be
+    };
+    let (Some(x_row), Some(y_row)) = (x_row.get_mut(..width), y_row.get_mut(..width)) else { return };
     for column in 0..width {
         let at = |row: &[u16]| row[column] as i16;
         let (left_above, right_above, left_below, right_below) = (at(a), at(c), at(g), at(i));
@@ -310,9 +314,10 @@ fn sobel_pairs(rows: [&[u16]; 3], gradients: Gradients<'_>, magnitude: impl Fn(i
     if let Some(place) = odd.first_mut() {
         // The last pixel of an odd width, by itself.
         let last = width - 1;
-        let (x, y) = (core::slice::from_mut(&mut x_row[last]), core::slice::from_mut(&mut y_row[last]));
-        let gradients = Gradients { x, y, magnitudes: core::slice::from_mut(place) };
-        sobel(rows.map(|row| &row[last..]), gradients, magnitude);
+        if let (Some(x), Some(y)) = (x_row.get_mut(last..), y_row.get_mut(last..)) {
+            let gradients = Gradients { x, y, magnitudes: core::slice::from_mut(place) };
+            sobel(rows.map(|row| row.get(last..).unwrap_or_default()), gradients, magnitude);
+        }
     }
 }
 

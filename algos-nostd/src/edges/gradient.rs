@@ -175,8 +175,11 @@ impl<O: Operator, M: Measure> LineFilter for GradientFilter<'_, O, M> {
 fn differentiate<O: Operator, M: Measure>(rows: [&[u8]; 3], line: &mut [M::Output]) {
     let width = line.len();
     let [above, centre, below] = rows;
-    let ([a, b, c], [d, e, f], [g, h, i]) =
-        (shifted::<u8, 3>(above, width), shifted::<u8, 3>(centre, width), shifted::<u8, 3>(below, width));
+    let (Some([a, b, c]), Some([d, e, f]), Some([g, h, i])) =
+        (shifted::<u8, 3>(above, width), shifted::<u8, 3>(centre, width), shifted::<u8, 3>(below, width))
+    else {
+        return; // rows are as wide as they must be
+    };
     for (x, result) in line.iter_mut().enumerate() {
         let gradient = O::gradient([
             [i16::from(a[x]), i16::from(b[x]), i16::from(c[x])],

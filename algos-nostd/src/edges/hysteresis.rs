@@ -77,7 +77,7 @@ impl Growth<'_> {
     /// Grows the word at `index`, and what the scan has passed and can grow from it.
     #[inline(always)]
     fn scan(&mut self, index: usize, down: bool) {
-        if self.candidates[index] & !self.strong[index] != 0 {
+        if self.open(index) != 0 {
             self.visit(index, index, down);
             while self.waiting > 0 {
                 self.waiting -= 1;
@@ -101,15 +101,16 @@ impl Growth<'_> {
     #[inline(always)]
     fn touch(&self, index: usize, has_left: bool, has_right: bool) -> u32 {
         let Some(&centre) = self.strong.get(index) else { return 0 };
-        let left = if has_left { self.strong[index - 1] >> 31 } else { 0 };
-        let right = if has_right { self.strong[index + 1] << 31 } else { 0 };
+        let at = |index| self.strong.get(index).copied().unwrap_or(0);
+        let left = if has_left { at(index.wrapping_sub(1)) >> 31 } else { 0 };
+        let right = if has_right { at(index + 1) << 31 } else { 0 };
         centre | centre << 1 | centre >> 1 | left | right
     }
 
     /// Grows one word from itself and its neighbours, and remembers the neighbours that can grow from it and that the
     /// scan, which is at `cursor`, will not come to.
     fn visit(&mut self, index: usize, cursor: usize, down: bool) {
-        let column = index % self.columns;
+        let column = index.checked_rem(self.columns).unwrap_or(0);
         let (has_left, has_right) = (column > 0, column + 1 < self.columns);
         let mask = if has_right { u32::MAX } else { self.last };
         let open = self.open(index) & mask;
@@ -122,7 +123,9 @@ impl Growth<'_> {
             return;
         }
         let added = fill(open, seeds);
-        self.strong[index] |= added;
+        if let Some(strong) = self.strong.get_mut(index) {
+            *strong |= added;
+        }
         let reach = added | added << 1 | added >> 1;
         for line in [above, index, below] {
             if line != index {

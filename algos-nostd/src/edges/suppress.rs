@@ -59,11 +59,11 @@ pub(super) fn suppress(crest: &Crest<'_>, marks: &mut [Marks]) {
         *marks = Marks::default();
         let start = word * PIXELS_A_WORD;
         let (Some(above), Some(here), Some(below), Some(x), Some(y)) = (
-            crest.above[start..].first_chunk::<WINDOW>(),
-            crest.here[start..].first_chunk::<WINDOW>(),
-            crest.below[start..].first_chunk::<WINDOW>(),
-            crest.x[start..].first_chunk::<PIXELS_A_WORD>(),
-            crest.y[start..].first_chunk::<PIXELS_A_WORD>(),
+            chunk::<_, WINDOW>(crest.above, start),
+            chunk::<_, WINDOW>(crest.here, start),
+            chunk::<_, WINDOW>(crest.below, start),
+            chunk::<_, PIXELS_A_WORD>(crest.x, start),
+            chunk::<_, PIXELS_A_WORD>(crest.y, start),
         ) else {
             return; // rows are whole numbers of words
         };
@@ -74,6 +74,12 @@ pub(super) fn suppress(crest: &Crest<'_>, marks: &mut [Marks]) {
             pixels_above(rows, x, y, crest.low, crest.high)
         };
     }
+}
+
+/// So many elements from `start` on.
+#[inline(always)]
+fn chunk<T, const N: usize>(row: &[T], start: usize) -> Option<&[T; N]> {
+    row.get(start..)?.first_chunk()
 }
 
 /// All pixels alike, without a branch: for vector units.

@@ -143,8 +143,11 @@ impl<S: Smoothing> LineFilter for ZeroCrossings<'_, S> {
 fn laplacian(rows: [&[u16]; 3], laplacians: &mut [i32]) {
     let width = laplacians.len();
     let [above, centre, below] = rows;
-    let ([a, b, c], [d, e, f], [g, h, i]) =
-        (shifted::<u16, 3>(above, width), shifted::<u16, 3>(centre, width), shifted::<u16, 3>(below, width));
+    let (Some([a, b, c]), Some([d, e, f]), Some([g, h, i])) =
+        (shifted::<u16, 3>(above, width), shifted::<u16, 3>(centre, width), shifted::<u16, 3>(below, width))
+    else {
+        return; // rows are as wide as they must be
+    };
     for (x, laplacian) in laplacians.iter_mut().enumerate() {
         // Smoothed levels are at most 5,068: eight of them fit 16 bits.
         let around = a[x] + b[x] + c[x] + d[x] + f[x] + g[x] + h[x] + i[x];

@@ -112,8 +112,9 @@ fn by_pairs<F: Finish>(rows: [&[u8]; 3], made: &mut [F::Output]) {
             done += 4;
         }
     }
-    for (x, made) in made.iter_mut().enumerate().skip(done) {
-        let columns = [0, 1, 2].map(|shift| fold(rows.map(|row| u32::from(row[x + shift]))));
+    let [above, centre, below] = rows.map(|row| row.array_windows::<3>().skip(done));
+    for (((made, above), centre), below) in made.iter_mut().skip(done).zip(above).zip(centre).zip(below) {
+        let columns = [0, 1, 2].map(|column| fold([above, centre, below].map(|row| u32::from(row[column]))));
         *made = F::one(fold(columns) as u16);
     }
 }

@@ -128,9 +128,11 @@ fn by_pairs<F: Finish>(rows: [&[u8]; 5], made: &mut [F::Output]) {
             done += 4;
         }
     }
-    for (x, made) in made.iter_mut().enumerate().skip(done) {
+    let [r0, r1, r2, r3, r4] = rows.map(|row| row.array_windows::<5>().skip(done));
+    let windows = r0.zip(r1).zip(r2).zip(r3).zip(r4);
+    for (made, ((((r0, r1), r2), r3), r4)) in made.iter_mut().skip(done).zip(windows) {
         let [c0, c1, c2, c3, c4] =
-            [0, 1, 2, 3, 4].map(|shift| folded(rows.map(|row| u16::from(row[x + shift]))));
+            [0, 1, 2, 3, 4].map(|column| folded([r0, r1, r2, r3, r4].map(|row| u16::from(row[column]))));
         *made = F::one(c0[0] + c4[0] + c1[1] + c3[1] + c2[2]);
     }
 }

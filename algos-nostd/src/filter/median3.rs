@@ -34,7 +34,9 @@ impl RowKernel<3> for Median3 {
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512bw+avx512vl", "x86_64+avx2")))]
 fn median3_row(rows: [&[u8]; 3], made: &mut [u8]) {
     let width = made.len();
-    let [a, b, c]: [[&[u8]; 3]; 3] = rows.map(|row| shifted(row, width));
+    let [Some(a), Some(b), Some(c)]: [Option<[&[u8]; 3]>; 3] = rows.map(|row| shifted(row, width)) else {
+        return; // rows are as wide as they must be
+    };
     for x in 0..width {
         let [l0, m0, h0] = sort3(a[0][x], b[0][x], c[0][x]);
         let [l1, m1, h1] = sort3(a[1][x], b[1][x], c[1][x]);

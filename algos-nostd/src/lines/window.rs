@@ -144,7 +144,11 @@ impl<'m, T: Copy> Window<'m, T> {
     /// [`Error::BufferLength`] if the line is not `width` pixels; it is then not taken.
     pub fn push(&mut self, line: &[T]) -> Result<bool, Error> {
         check_width(self.width, line.len())?;
-        Ok(self.push_with(|row| row.copy_from_slice(line)))
+        Ok(self.push_with(|row| {
+            for (place, &pixel) in row.iter_mut().zip(line) {
+                *place = pixel;
+            }
+        }))
     }
 
     /// Takes the next line as `make` writes it, all `width` pixels of it, into the window itself: a line that is computed
@@ -155,14 +159,16 @@ impl<'m, T: Copy> Window<'m, T> {
 
         let Reach { columns, lines } = self.reach;
         let place = self.place(self.newest);
-        let row = &mut self.memory[place];
-        let (left, rest) = row.split_at_mut(columns);
-        let (middle, right) = rest.split_at_mut(self.width);
-        make(middle);
-        // Not empty: the width is not zero.
-        if let (Some(&first), Some(&last)) = (middle.first(), middle.last()) {
-            left.fill(first);
-            right.fill(last);
+        // All of these are there: the memory was checked, and the width is not zero.
+        if let Some(row) = self.memory.get_mut(place)
+            && let Some((left, rest)) = row.split_at_mut_checked(columns)
+            && let Some((middle, right)) = rest.split_at_mut_checked(self.width)
+        {
+            make(middle);
+            if let (Some(&first), Some(&last)) = (middle.first(), middle.last()) {
+                left.fill(first);
+                right.fill(last);
+            }
         }
         self.pending = self.held.min(lines);
         self.held > lines
@@ -179,28 +185,23 @@ impl<'m, T: Copy> Window<'m, T> {
         true
     }
 
-    /// Row `index` of the window, of `width + 2 × columns` pixels; row `reach.lines` is the centre line.
-    ///
-    /// # Panics
-    /// If there is no such row. Before the first centre line the content has no meaning.
+    /// Row `index` of the window, of `width + 2 × columns` pixels; row `reach.lines` is the centre line. Before the first
+    /// centre line the content has no meaning. A row below the last is the last.
     #[must_use]
     pub fn row(&self, index: usize) -> &[T] {
-        assert!(index < self.reach.rows(), "a row of the window");
         // Ages: 0 is the newest line. The centre has as many lines below it as wait to be the centre.
         let centre = self.pending;
         let oldest = self.held.saturating_sub(1);
         let age = (centre + self.reach.lines).saturating_sub(index).min(oldest);
         let slot = if age <= self.newest { self.newest - age } else { self.newest + self.reach.rows() - age };
-        &self.memory[self.place(slot)]
+        self.memory.get(self.place(slot)).unwrap_or_default()
     }
 
-    /// All rows of the window from top to bottom, each of `width + 2 × columns` pixels.
-    ///
-    /// # Panics
-    /// If `N` is not `2 × reach.lines + 1`.
+    /// The first `N` rows of the window from top to bottom, each of `width + 2 × columns` pixels: all of them if `N` is
+    /// `2 × reach.lines + 1`, as it should be.
     #[must_use]
     pub fn rows<const N: usize>(&self) -> [&[T]; N] {
-        assert!(N == self.reach.rows(), "as many rows as the window has");
+        debug_assert!(N == self.reach.rows(), "as many rows as the window has");
         core::array::from_fn(|index| self.row(index))
     }
 }
@@ -208,12 +209,15 @@ impl<'m, T: Copy> Window<'m, T> {
 /// The `N` slices of `width` elements that start at columns 0, 1, … `N − 1` of a padded row: the row as seen by each
 /// column of a kernel. Slices of one known length let a kernel's loop run without bounds checks.
 ///
-/// # Panics
-/// If the row is shorter than `width + N − 1`.
+/// `None` if the row is shorter than `width + N − 1`.
 #[must_use]
 #[inline(always)]
-pub fn shifted<T, const N: usize>(row: &[T], width: usize) -> [&[T]; N] {
-    core::array::from_fn(|shift| &row[shift..][..width])
+pub fn shifted<T, const N: usize>(row: &[T], width: usize) -> Option<[&[T]; N]> {
+    let mut slices = [row; N];
+    for (shift, slice) in slices.iter_mut().enumerate() {
+        *slice = row.get(shift..)?.get(..width)?;
+    }
+    Some(slices)
 }
 
 /// So many elements of `T`, or the next number that fills whole words.
@@ -272,7 +276,9 @@ mod tests {
         let mut window = Window::new(3, REACH, &mut memory).unwrap();
         assert_eq!(window.push(&[1, 2, 3]), Ok(true));
         assert_eq!(window.rows(), [&[1, 1, 1, 2, 3, 3, 3]]);
-        assert_eq!(shifted(window.row(0), 5), [[1, 1, 1, 2, 3], [1, 1, 2, 3, 3], [1, 2, 3, 3, 3]]);
+        let expected = [[1, 1, 1, 2, 3], [1, 1, 2, 3, 3], [1, 2, 3, 3, 3]];
+        assert_eq!(shifted(window.row(0), 5), Some(expected.each_ref().map(|row| &row[..])));
+        assert_eq!(shifted::<_, 4>(window.row(0), 5), None);
         let narrow = Error::BufferLength { name: "line", expected: 3, got: 2 };
         assert_eq!(window.push(&[1, 2]), Err(narrow));
         assert!(!window.drain(), "a refused line is not taken");

@@ -105,7 +105,8 @@ impl Fifo {
         self.len -= 1;
         // An empty FIFO has one representation, so that equal states compare equal.
         self.head = if self.len == 0 { 0 } else { (head + 1) % FIFO_WORDS as u8 };
-        let word = core::mem::take(&mut self.words[usize::from(head)]);
+        // `head` is a place; the compiler does not see that.
+        let word = core::mem::take(&mut self.words[usize::from(head) % FIFO_WORDS]);
         Some((word, last))
     }
 }

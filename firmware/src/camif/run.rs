@@ -66,7 +66,7 @@ impl Camif<'_> {
     }
 
     fn flow(&mut self, samples: Samples<'_>) -> usize {
-        let per_word = 32 / self.sample_bits;
+        let per_word = 32_u32.checked_div(self.sample_bits).map_or(1, |samples| samples.max(1));
         let burst = self.dma.burst_words();
         // The same bus width on both sides, or the samples would have to be converted one by one.
         let fits = match samples {
@@ -93,27 +93,24 @@ impl Camif<'_> {
         // `stored` words go to memory: those that wait and all that come, but for the last burst.
         let available = samples.len() as u32 / per_word;
         let stored = (available + waiting).saturating_sub(burst).min(self.dma.words_before_event());
+        // Never zero, which the compiler cannot see.
+        let burst = burst.max(1);
         let words = (stored + burst - waiting) / burst * burst;
         let stored = words + waiting - burst;
         let bursts = u64::from(words / burst);
         if words < 2 * burst || self.bus.delay_bound(self.requests, self.requests + bursts) >= per_word {
             return 0;
         }
-        let mut held = [0; super::fifo::FIFO_WORDS];
-        let mut old = 0;
-        while let Some((word, _)) = self.fifo.pop() {
-            held[old] = word;
-            old += 1;
-        }
         let mask = self.data_mask;
-        let Some(window) = self.dma.window(stored as usize) else {
-            for &word in &held[..old] {
-                self.fifo.push(word);
-            }
+        let old = self.fifo.len();
+        let Some((first, rest)) =
+            self.dma.window(stored as usize).and_then(|window| window.split_at_mut_checked(old))
+        else {
             return 0;
         };
-        let (first, rest) = window.split_at_mut(old);
-        first.copy_from_slice(&held[..old]);
+        for (place, (word, _)) in first.iter_mut().zip(core::iter::from_fn(|| self.fifo.pop())) {
+            *place = word;
+        }
         let clocks = (words * per_word) as usize;
         let tail = clocks - (burst * per_word) as usize;
         match samples {
@@ -122,10 +119,10 @@ impl Camif<'_> {
             Samples::Repeat { .. } => {}
         }
         let mut last = [0; super::fifo::FIFO_WORDS];
-        let last = &mut last[..burst as usize];
+        let last = last.get_mut(..burst as usize).unwrap_or_default();
         match samples {
-            Samples::Bytes(bytes) => pack_bytes(last, &bytes[tail..]),
-            Samples::Words(samples) => pack_words(last, &samples[tail..], mask),
+            Samples::Bytes(bytes) => pack_bytes(last, bytes.get(tail..).unwrap_or_default()),
+            Samples::Words(samples) => pack_words(last, samples.get(tail..).unwrap_or_default(), mask),
             Samples::Repeat { .. } => {}
         }
         for &mut word in last {

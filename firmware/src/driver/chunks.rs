@@ -46,14 +46,15 @@ impl Plan {
         }
         let least = words.div_ceil(limit);
         let most = least.saturating_add(TRIES).min(words / IN_FLIGHT);
-        let even = |count: &u32| words.is_multiple_of(*count);
+        // Counts begin at 2.
+        let even = |&count: &u32| count != 0 && words.is_multiple_of(count);
         // Bursts must not straddle transfers: a cut that leaves room for the longest is better than fewer transfers.
         let aligned = |count: &u32| even(count) && (words / count).is_multiple_of(FIFO_WORDS as u32);
         let mut counts = least.max(2)..=most;
         if let Some(count) = counts.clone().find(aligned).or_else(|| counts.find(even)) {
-            return Some(Self { chunk: words / count, count, seamless: !one_by_one });
+            return Some(Self { chunk: words.checked_div(count)?, count, seamless: !one_by_one });
         }
-        let count = least.max(2).min(words);
+        let count = least.max(2).min(words).max(1);
         Some(Self { chunk: words.div_ceil(count), count, seamless: false })
     }
 

@@ -38,10 +38,11 @@ pub(super) fn stuff(buffer: &mut [u8], start: usize, length: usize, at: usize) -
         let found = memchr(0, group);
         let size = found.unwrap_or(group.len());
         *buffer.get_mut(write)? = size as u8 + 1;
-        if read + size > buffer.len() || write + 1 + size > buffer.len() {
+        let group_end = read.checked_add(size)?;
+        if group_end > buffer.len() || write + 1 > buffer.len() - size {
             return None;
         }
-        buffer.copy_within(read..read + size, write + 1);
+        buffer.copy_within(read..group_end, write + 1);
         write += 1 + size;
         read += size;
         if found.is_some() {

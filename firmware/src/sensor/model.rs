@@ -97,8 +97,10 @@ impl Mode {
     #[must_use]
     pub const fn pixel_clock_hz(&self, input_hz: u32) -> u32 {
         let (multiply, divide) = self.pixel_clock;
-        let hertz = input_hz as u64 * multiply as u64 / divide as u64;
-        if hertz > u32::MAX as u64 { u32::MAX } else { hertz as u32 }
+        match (input_hz as u64 * multiply as u64).checked_div(divide as u64) {
+            Some(hertz) if hertz <= u32::MAX as u64 => hertz as u32,
+            _ => u32::MAX,
+        }
     }
 
     /// What the camera interface must know to capture it.

@@ -10,7 +10,7 @@
 
 use core::borrow::BorrowMut;
 
-use embedded_io::{Read, ReadExactError};
+use embedded_io::Read;
 
 use super::StretchSink;
 use super::checksum::{Checksum, small_table};
@@ -233,7 +233,7 @@ impl<R: Read, B: BorrowMut<ChunkBuffer>> Reader<R, B> {
 
     fn record(&mut self) -> Result<(Sync, Samples<'_>), Error<R::Error>> {
         let sample_bytes = self.header.sample_bytes();
-        let bytes = &self.buffer.borrow().bytes()[..self.end];
+        let bytes = self.buffer.borrow().bytes().get(..self.end).unwrap_or_default();
         let (record, from, to) =
             Record::parse(bytes, self.at, sample_bytes).map_err(|problem| problem.at(self.chunk_offset))?;
         let clocks = u64::from(record.clocks);
@@ -323,8 +323,14 @@ pub(super) fn read_exact<R: Read>(
     bytes: &mut [u8],
     offset: u64,
 ) -> Result<(), Error<R::Error>> {
-    inner.read_exact(bytes).map_err(|error| match error {
-        ReadExactError::UnexpectedEof => Problem::Truncated.at(offset),
-        ReadExactError::Other(error) => Error::Io { offset, error },
-    })
+    // Not the reader's own `read_exact`: that one panics if a read claims more bytes than it had room for.
+    let mut left = bytes;
+    while !left.is_empty() {
+        let count = inner.read(left).map_err(|error| Error::Io { offset, error })?;
+        left = match left.split_at_mut_checked(count) {
+            Some((_, rest)) if count > 0 => rest,
+            _ => return Err(Problem::Truncated.at(offset)),
+        };
+    }
+    Ok(())
 }

@@ -1,13 +1,17 @@
 //! How an image ends: QEMU's exit status is 0 if all went well, and 1 after a failed check, a panic or a fault.
 
 use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m_rt::{ExceptionFrame, exception};
 use defmt_semihosting as _;
 use semihosting::process;
 
-/// All went well.
+use crate::stack;
+
+/// All went well: tells how deep the stack went.
 pub fn success() -> ! {
+    defmt::info!("measured stack high-water mark, bytes {=u32}", stack::high_water());
     process::exit(0)
 }
 
@@ -18,7 +22,11 @@ pub fn failure() -> ! {
 
 #[panic_handler]
 fn panicked(_: &PanicInfo<'_>) -> ! {
-    defmt::error!("panicked");
+    static AGAIN: AtomicBool = AtomicBool::new(false);
+    // The log itself may have been what panicked.
+    if !AGAIN.swap(true, Ordering::Relaxed) {
+        defmt::error!("panicked");
+    }
     failure()
 }
 

@@ -3,6 +3,7 @@
 //! | module | what lives there |
 //! |---|---|
 //! | [`exit`] | how an image ends |
+//! | [`stack`] | how deep the stack went |
 //! | [`file`](mod@file) | the host's files, by semihosting |
 //! | [`instructions`] | counts what code takes |
 //! | [`rig`] | the camera: the block's model, a timer, a real interrupt |
@@ -11,6 +12,7 @@
 #![no_std]
 
 pub mod exit;
+pub mod stack;
 pub mod file;
 pub mod instructions;
 pub mod rig;

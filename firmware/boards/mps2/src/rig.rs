@@ -7,7 +7,7 @@
 //! main: wfe ─► a tick has passed ─► frames and lines
 //! ```
 
-use core::cell::{Cell, RefCell};
+use core::cell::{Cell, RefCell, RefMut};
 
 use cortex_m::interrupt::InterruptNumber;
 use cortex_m::peripheral::NVIC;
@@ -63,11 +63,22 @@ pub trait Handler: core::marker::Sync {
     fn on_interrupt(&self);
 }
 
+/// What is shared, for as long as nobody disturbs.
+fn hold<'s, T>(shared: &'s Mutex<RefCell<T>>, section: CriticalSection<'s>) -> RefMut<'s, T> {
+    match shared.borrow(section).try_borrow_mut() {
+        Ok(held) => held,
+        Err(_) => {
+            defmt::error!("the rig is in use already");
+            exit::failure()
+        }
+    }
+}
+
 /// Puts a block at rest in place, and forgets what was recorded.
 pub fn install(bus: Bus) {
     critical_section::with(|section| {
-        *BLOCK.borrow_ref_mut(section) = Some(Camif::new(Part::CAMIF, bus));
-        *RECORD.borrow_ref_mut(section) = Record::new();
+        *hold(&BLOCK, section) = Some(Camif::new(Part::CAMIF, bus));
+        *hold(&RECORD, section) = Record::new();
         TICKS.borrow(section).set(0);
     });
 }
@@ -75,7 +86,7 @@ pub fn install(bus: Bus) {
 /// What the driver did so far.
 #[must_use]
 pub fn record() -> Record {
-    critical_section::with(|section| *RECORD.borrow_ref(section))
+    critical_section::with(|section| *hold(&RECORD, section))
 }
 
 /// Plays `trace` a stretch a tick, with `handler` for the block's interrupt, while `body` runs.
@@ -84,7 +95,7 @@ pub fn play<R>(trace: Trace, handler: &dyn Handler, body: impl FnOnce() -> R) ->
     // nobody copies it out of there but the interrupt, which has returned by then.
     let handler: &'static dyn Handler = unsafe { core::mem::transmute(handler) };
     critical_section::with(|section| {
-        *PLAYER.borrow_ref_mut(section) = Some(trace);
+        *hold(&PLAYER, section) = Some(trace);
         HANDLER.borrow(section).set(Some(handler));
     });
     start();
@@ -176,7 +187,7 @@ impl Clocked for Wires {
 
 fn tick() {
     // Taken out while it plays: the block's interrupt comes in between and must not find it borrowed.
-    let Some(mut player) = critical_section::with(|section| PLAYER.borrow_ref_mut(section).take()) else {
+    let Some(mut player) = critical_section::with(|section| hold(&PLAYER, section).take()) else {
         return;
     };
     let tick = player.tick(&mut Wires);
@@ -185,7 +196,7 @@ fn tick() {
         match tick {
             Tick::Played => {
                 ticks.set(ticks.get() + 1);
-                *PLAYER.borrow_ref_mut(section) = Some(player);
+                *hold(&PLAYER, section) = Some(player);
             }
             Tick::Ended => ticks.set(END),
             Tick::Broken => {
@@ -199,7 +210,7 @@ fn tick() {
 }
 
 fn with<R>(body: impl FnOnce(&mut Camif<'static>) -> R) -> Option<R> {
-    critical_section::with(|section: CriticalSection<'_>| BLOCK.borrow_ref_mut(section).as_mut().map(body))
+    critical_section::with(|section| hold(&BLOCK, section).as_mut().map(body))
 }
 
 /// The block as the driver sees it.
@@ -215,7 +226,7 @@ pub struct Global;
 
 impl Log for Global {
     fn note(&mut self, access: Access) {
-        critical_section::with(|section| RECORD.borrow_ref_mut(section).note(access));
+        critical_section::with(|section| hold(&RECORD, section).note(access));
     }
 }
 
