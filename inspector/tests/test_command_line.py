@@ -76,12 +76,10 @@ def test_a_recording_plays_as_a_device(device, tmp_path, place):
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as player:
         url = player.stdout.readline().strip()
         with camif_inspect.open(url) as camera:
-            frames = [next(camera.frames(timeout=10))]
             until = time.monotonic() + 10
             while camera.receiver.counts.frames_whole < expected and time.monotonic() < until:
                 time.sleep(0.02)
             assert camera.receiver.counts.frames_whole == expected
-            assert frames
         player.communicate(timeout=10)
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import device as devices
 import oracle
 import pictures
-from camif_inspect import encodings, walk
+from camif_inspect import encodings, qoi, walk
 from camif_inspect.formats import FORMATS
 from camif_inspect.frame import Frame
 from camif_inspect.receiver import Receiver
@@ -164,11 +164,15 @@ ORACLES = [
 
 @pytest.mark.parametrize(("name", "encoding", "plain"), ORACLES)
 @settings(max_examples=100, deadline=None)
-@given(payloads=st.lists(st.binary(max_size=300), min_size=1, max_size=6), cells=st.sampled_from([0, walk._MOST_CELLS]))
-def test_any_payloads_mean_what_the_oracle_says(name, encoding, plain, payloads, cells):
+@given(
+    payloads=st.lists(st.binary(max_size=300), min_size=1, max_size=6),
+    cells=st.sampled_from([0, walk._MOST_CELLS]),
+    few=st.sampled_from([0, qoi._FEW]),
+)
+def test_any_payloads_mean_what_the_oracle_says(name, encoding, plain, payloads, cells, few):
     """Also where they are walked in groups of like length, as payloads of very different lengths are."""
     expected = [plain(payload) for payload in payloads]
-    with mock.patch.object(walk, "_MOST_CELLS", cells):
+    with mock.patch.object(walk, "_MOST_CELLS", cells), mock.patch.object(qoi, "_FEW", few):
         if None in expected:
             with pytest.raises(encodings.Malformed):
                 encodings.decode(encoding, 0, payloads, BY_NAME[name])
@@ -246,3 +250,28 @@ def test_lines_sent_again_mend_a_frame_that_is_over():
     assert frame.whole
     assert frame.crc_ok
     assert (receiver.counts.lines_lost, receiver.counts.frames_whole) == (0, 1)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_streams_and_encodings_that_take_turns_are_kept_apart(data):
+    """Line by line, each in an encoding of its own, as a sender does that chooses; old lines come again in between."""
+    kinds = [(1, small, (0, 1, 2)), (4, lambda number: pictures.edges(number, WIDTH, HEIGHT), (0, 1, 2, 3, 4))]
+    wire = [*list(OPENING), devices.wire(link.stream(1, 4, 0, 1, WIDTH, HEIGHT, 0, "", "edges"))]
+    for number in (1, 2, 3):
+        takes = [
+            {choice: devices.frame_packets(stream, number, code, make(number), choice) for choice in choices}
+            for stream, (code, make, choices) in enumerate(kinds)
+        ]
+        again = [packets[0][3] for packets in takes] if number > 1 else []
+        for place in range(HEIGHT + 2):
+            for packets in takes:
+                wire.append(packets[data.draw(st.sampled_from(sorted(packets)))][place])
+            if place == 4:
+                wire += again
+    receiver = Receiver()
+    frames = frames_of([event for piece in cut(data.draw, b"".join(wire)) for event in receiver.feed(piece)])
+    assert [(frame.sequence, frame.stream) for frame in frames] == [(n, s) for n in (1, 2, 3) for s in (0, 1)]
+    for frame in frames:
+        assert frame.whole
+        assert np.array_equal(frame.pixels, kinds[frame.stream][1](frame.sequence))

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .packet import Malformed
-from .walk import Bytes, Counts, walk
+from .walk import Bytes, Counts, lengths_of, walk
 
 Words = npt.NDArray[np.uint32]
 Integers = npt.NDArray[np.int64]
@@ -28,6 +28,8 @@ _GIVEN, _RESERVED = 0xFE, 0xFF
 _BEHIND = 0xC0
 # Steps that are prepared together: few enough to stay in the cache.
 _BLOCK = 64
+# As many lines as must share a step of numpy for it to cost less than an operation of each in Python.
+_FEW = 20
 
 
 def _word(red: Integers, green: Integers, blue: Integers) -> Words:
@@ -71,6 +73,10 @@ def _colour_tables() -> _Tables:
 
 def colour(payloads: Sequence[bytes]) -> tuple[Bytes, Counts]:
     """Undo `qoi` of RGB888."""
+    lengths = lengths_of(payloads)
+    if lengths.sum() < _FEW * lengths.max():
+        lines = [_one_by_one(payload) for payload in payloads]
+        return np.concatenate(lines), np.array([line.size for line in lines], np.int64)
     tables = _colour_tables()
     found = walk(payloads, tables.length, _BEHIND)
     data, places = found.data, found.places
@@ -128,6 +134,51 @@ class _Index:
             pixels[place] = word
             last = word
         self._last = last.copy()
+
+
+def _one_by_one(payload: bytes) -> Bytes:
+    """Undo `qoi` of one line of RGB888, one operation after the other: a pixel is one number, red in its low byte."""
+    pixels: list[int] = []
+    index = [0] * 64
+    red = green = blue = pixel = 0
+    at, end = 0, len(payload)
+    try:
+        while at < end:
+            code = payload[at]
+            at += 1
+            if code >= 0xC0:
+                if code < 0xFE:
+                    pixels += [pixel] * (code - 0xBF)
+                    # A run that begins the line puts its pixel into the index, too; later it is there already.
+                    index[(3 * red + 5 * green + 7 * blue + 53) & 63] = pixel
+                    continue
+                if code == 0xFF:
+                    raise Malformed("a reserved operation")
+                red, green, blue = payload[at], payload[at + 1], payload[at + 2]
+                at += 3
+            elif code >= 0x80:
+                second = payload[at]
+                at += 1
+                luma = code - 0xA0
+                red = (red + luma + (second >> 4) - 8) & 255
+                green = (green + luma) & 255
+                blue = (blue + luma + (second & 15) - 8) & 255
+            elif code >= 0x40:
+                red = (red + (code >> 4 & 3) - 2) & 255
+                green = (green + (code >> 2 & 3) - 2) & 255
+                blue = (blue + (code & 3) - 2) & 255
+            else:
+                pixel = index[code]
+                pixels.append(pixel)
+                red, green, blue = pixel & 255, pixel >> 8 & 255, pixel >> 16
+                index[(3 * red + 5 * green + 7 * blue + 53) & 63] = pixel
+                continue
+            pixel = red | green << 8 | blue << 16
+            index[(3 * red + 5 * green + 7 * blue + 53) & 63] = pixel
+            pixels.append(pixel)
+    except IndexError:
+        raise Malformed("a payload that ends within an operation") from None
+    return np.array(pixels, "<u4").view(np.uint8).reshape(-1, 4)[:, :3].reshape(-1)
 
 
 class _SampleTables(NamedTuple):

@@ -130,8 +130,8 @@ class Receiver:
         self._tail = b""
         self._overlong = False
         self._joining = joins_midway
-        self._batch: list[bytes] = []
-        self._batch_key = b""
+        # Lines that wait to be decoded, by what they have in common: stream, format, encoding, frame.
+        self._batches: dict[bytes, list[bytes]] = {}
         self._events: list[Event] = []
 
     def rejoin(self) -> None:
@@ -160,7 +160,7 @@ class Receiver:
             self._first(pieces)
 
         # The hot loop: everything that happens once a packet is here.
-        decode, crc32 = cobs.decode, zlib.crc32
+        decode, crc32, batches = cobs.decode, zlib.crc32, self._batches
         for wire in pieces:
             if not wire:
                 continue
@@ -171,8 +171,8 @@ class Receiver:
                 continue
             if crc32(body) != CRC_RESIDUE or len(body) < LEAST_BODY or len(wire) > LARGEST_WIRE:
                 self._damage()
-            elif body[4:10] == self._batch_key and body[:2] == _LINE_BEGINS and body[12:14] == b"\0\0":
-                self._batch.append(body)
+            elif body[:2] == _LINE_BEGINS and body[12:14] == b"\0\0" and body[4:10] in batches:
+                batches[body[4:10]].append(body)
             else:
                 self._packet(body)
         self._flush()
@@ -193,13 +193,11 @@ class Receiver:
         self.counts.damaged += 1
 
     def _packet(self, body: bytes) -> None:
-        """Take a body whose CRC is right, and which does not continue the batch."""
-        self._flush()
+        """Take a body whose CRC is right, and which does not continue a batch."""
         if body[:2] == _LINE_BEGINS and len(body) >= _LINE_HEAD + 4:
-            # A line begins a batch of its stream, format, encoding and frame.
-            self._batch.append(body)
-            self._batch_key = body[4:10]
+            self._begins_batch(body)
             return
+        self._flush()
         try:
             packet = parse(body)
         except Malformed:
@@ -339,11 +337,28 @@ class Receiver:
     # Lines.
 
     def _flush(self) -> None:
-        """Decode the lines of the batch and put them in their places."""
-        batch = self._batch
-        if not batch:
+        """Decode the lines that wait and put them in their places."""
+        if self._batches:
+            batches = list(self._batches.values())
+            self._batches.clear()
+            for batch in batches:
+                self._take_batch(batch)
+
+    def _begins_batch(self, body: bytes) -> None:
+        """Begin a batch. Streams take turns on the line, and so do encodings: there are several at a time.
+
+        What must keep its order does: pieces of lines, and another frame of a stream, come after what waits.
+        """
+        key = body[4:10]
+        if body[12:14] != b"\0\0":
+            self._flush()
+            self._take_batch([body])
             return
-        self._batch, self._batch_key = [], b""
+        if any(other[0] == key[0] and other[4:] != key[4:] for other in self._batches):
+            self._flush()
+        self._batches[key] = [body]
+
+    def _take_batch(self, batch: list[bytes]) -> None:
         head = batch[0]
         code, encoding, unused = head[5], head[6] & 15, head[6] >> 4 & 7
         pixel_format = FORMATS.get(code)

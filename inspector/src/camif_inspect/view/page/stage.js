@@ -18,7 +18,7 @@ function entryOf(stream) {
   canvas.dataset.stream = stream;
   const swatch = make("i", { className: "swatch" });
   swatch.style.background = `var(--stream-${stream % 4})`;
-  const name = make("b"), what = make("span"), verdict = make("span", { className: "verdict" });
+  const name = make("b"), what = make("span", { className: "what" }), verdict = make("span", { className: "verdict" });
   const again = button("Ask again", async () => toast(await ask({ do: "resend", stream })));
   again.title = "ask the device for the missing lines again";
   again.hidden = true;
@@ -39,7 +39,7 @@ on("picture", (head) => {
   entry.name.textContent = head.name;
   entry.what.textContent = `#${head.sequence}  ${head.width} × ${head.height}  ${head.format}`;
   let text = head.verdict;
-  if (head.missing && head.closed) text = `${head.good ? "" : `${text}, `}${head.missing} lines missing`;
+  if (head.missing && head.closed) text = `${head.good ? "" : `${text}, `}${head.missing} ${head.missing === 1 ? "line" : "lines"} missing`;
   else if (!head.closed) text = `${head.height - head.missing} of ${head.height} lines`;
   if (head.crc_ok === false) text += ", frame CRC wrong";
   entry.verdict.textContent = text;
