@@ -132,6 +132,64 @@ fn without_a_profile_the_bus_is_guessed_and_its_rivals_are_shown() {
     assert!(std::fs::read_to_string(folder.path().join("j.xml")).unwrap().contains("failures=\"0\""));
 }
 
+/// Words lost on their way into memory are shown at the clock at which they passed the wires.
+#[test]
+fn a_frame_received_is_compared_with_the_trace() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| host_sim(folder.path(), arguments);
+    run(&["generate", "--scene", "demo", "--profile", "vga-raw10", "--frames", "3", "-o", "a.camt"]);
+    run(&["replay", "a.camt", "--out", "frames"]);
+    let mut bytes = std::fs::read(folder.path().join("frames/frame-0001.raw")).unwrap();
+    let lost = 100 * 1_280 + 640;
+    bytes.drain(lost..lost + 64);
+    bytes.extend([0; 64]);
+    std::fs::write(folder.path().join("torn.raw"), bytes).unwrap();
+    let told = run(&["diagnose", "a.camt", "--received", "torn.raw", "--report", "r.html"]);
+    assert_eq!(told.status.code(), Some(1), "{}", String::from_utf8_lossy(&told.stderr));
+    let report = numbers(&folder.path().join("r.html"));
+    assert_eq!(report["diagnosis"]["place"], "receiver");
+    let place = &report["places"][0];
+    assert_eq!((&place["frame"], &place["row"]), (&Value::from(1), &Value::from(100)));
+    let start = report["frames"][1]["row_clocks"][100].as_u64().unwrap();
+    assert_eq!(place["clock"].as_u64(), Some(start + 320), "half a line on");
+    let names: Vec<&str> =
+        report["rivals"].as_array().unwrap().iter().map(|rival| rival["by"].as_str().unwrap()).collect();
+    assert_eq!(names.iter().filter(|by| **by == "received").count(), 2, "{names:?}");
+}
+
+/// A fault in a late frame has the picture of that frame.
+#[test]
+fn the_frame_of_a_finding_is_kept_however_late_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| host_sim(folder.path(), arguments);
+    let small = "[bus]\nsync = \"gated\"\n[frame]\nwidth = 64\nheight = 48\nformat = \"gray8\"\n[timing]\nhblank = 16\nvblank = 400\n\
+                 vfront = 40\nvback = 40\n";
+    std::fs::write(folder.path().join("small.toml"), small).unwrap();
+    run(&["generate", "--scene", "demo", "--profile", "small.toml", "--frames", "30", "-o", "a.vcd"]);
+    // Two edges of HSYNC in a late frame are taken out: two lines become one.
+    let dump = std::fs::read_to_string(folder.path().join("a.vcd")).unwrap();
+    let wire =
+        dump.lines().find(|line| line.contains("HSYNC")).unwrap().split(' ').nth(3).unwrap().to_owned();
+    let is_edge = |line: &str| line == format!("0{wire}") || line == format!("1{wire}");
+    let edges = dump.lines().filter(|line| is_edge(line)).count();
+    let first = edges * 9 / 10;
+    let mut seen = 0;
+    let kept = dump.lines().filter(|line| {
+        seen += usize::from(is_edge(line));
+        !(is_edge(line) && (first..first + 2).contains(&seen))
+    });
+    let broken: String = kept.flat_map(|line| [line, "\n"]).collect();
+    std::fs::write(folder.path().join("b.vcd"), broken).unwrap();
+    let told = run(&["diagnose", "b.vcd", "--profile", "small.toml", "--report", "r.html"]);
+    assert_eq!(told.status.code(), Some(1), "{}", String::from_utf8_lossy(&told.stderr));
+    let report = numbers(&folder.path().join("r.html"));
+    assert_eq!(report["frames"].as_array().unwrap().len(), 30);
+    let place = &report["places"][0];
+    assert!(place["frame"].as_u64().unwrap() > 20, "{place}");
+    let frame = &report["frames"][place["frame"].as_u64().unwrap() as usize];
+    assert!(!frame["picture"].is_null() && !place["row"].is_null(), "{place}");
+}
+
 #[test]
 fn a_report_that_cannot_be_written_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();

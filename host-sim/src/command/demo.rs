@@ -87,6 +87,7 @@ fn write_report(source: &Source, shown: &[Shown], out: &Path) -> anyhow::Result<
         diagnosis: &diagnosis,
         guess: None,
         guess_is_profile: false,
+        received: None,
         notes: source.notes(),
         bus: Bus::IDEAL,
     })?;

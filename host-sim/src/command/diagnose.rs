@@ -70,7 +70,7 @@ impl Diagnose {
         let bus = parse_bus(&self.bus_latency)?;
         let map = self.map.as_deref().map(SignalMap::parse).transpose()?.unwrap_or_default();
         let (profile, mut notes) = profile_for(&self.trace, self.profile.as_deref(), &map)?;
-        let guess_is_profile = !notes.is_empty();
+        let asked_to_guess = !notes.is_empty();
         let source = Source::open(&self.trace, profile.as_ref(), map.clone())?;
         notes.extend_from_slice(source.notes());
         for note in &notes {
@@ -109,13 +109,22 @@ impl Diagnose {
         }
         if let Some(path) = &self.report {
             // A trace of which nothing can be guessed has a report all the same.
-            let guess = guess_file(&self.trace, &map).map_err(|error| notes.push(error.to_string())).ok();
+            let guess = match guess_file(&self.trace, &map) {
+                Ok(guess) => Some(guess),
+                Err(error) if !asked_to_guess => {
+                    notes.push(format!("the bus alone suggests nothing: {error}"));
+                    None
+                }
+                Err(_) => None,
+            };
             let subject = Subject {
                 source: &source,
                 recording: &recording,
                 diagnosis: &diagnosis,
                 guess: guess.as_ref(),
-                guess_is_profile,
+                guess_is_profile: asked_to_guess
+                    && guess.as_ref().is_some_and(|guess| guess.profile == *profile),
+                received: received.as_deref(),
                 notes: &notes,
                 bus,
             };
@@ -142,14 +151,12 @@ const FRAMES: usize = 16;
 /// The first frames as block, driver and an ideal bus receive them.
 fn frames(source: &Source, profile: &Profile) -> anyhow::Result<Vec<Sent>> {
     let mut frames: Vec<Sent> = Vec::new();
-    let (mut ends, per_frame) = (0, profile.clocks_per_frame());
     let (played, _) = receive(
         &capture_config(profile),
         Bus::IDEAL,
         &mut |frame| {
-            ends += per_frame;
             if let (Some(bytes), true) = (frame.bytes, frames.len() < FRAMES) {
-                frames.push(Sent { bytes: bytes.to_vec(), end: ends });
+                frames.push(Sent { bytes: bytes.to_vec(), end: frame.clock });
             }
         },
         |receiver| source.play(receiver, &mut |_| {}),

@@ -125,7 +125,10 @@ fn lost(received: &[u8], sent: &Sent, all: &[Sent], profile: &Profile) -> Option
     let kind = FaultKind::ClockTooFast;
     let line = start / (profile.bytes_per_line() as usize).max(1);
     let at = At {
-        clock: sent.end.saturating_sub(sent.bytes.len() as u64 - start as u64),
+        // As late as it can be: without blanking between it and the frame's end.
+        clock: sent
+            .end
+            .saturating_sub((sent.bytes.len() - start) as u64 / u64::from(profile.bus.bytes_per_sample())),
         line: Some(line as u32),
     };
     let remedy = || super::remedy::of(kind, profile);

@@ -37,6 +37,8 @@ pub struct Subject<'a> {
     pub guess: Option<&'a BusGuess>,
     /// The profile is the guess's first.
     pub guess_is_profile: bool,
+    /// A frame as the device got it, its bytes as DMA wrote them.
+    pub received: Option<&'a [u8]>,
     /// What the user should know.
     pub notes: &'a [String],
     /// The memory bus of the block that receives the frames.
@@ -61,30 +63,38 @@ pub fn build(subject: &Subject<'_>) -> Result<Page, ReportError> {
         ..Page::default()
     };
     (page.verdict, page.summary) = verdict(diagnosis);
+    let near = places(diagnosis);
     let mut activity = Activity::new(MOST_BUCKETS);
-    let (received, summary) = take(source, given, subject.bus, Some(&mut activity))?;
-    let (mut frames, mut profile) = (received.clone(), given.clone());
-    if !has_picture(&frames) {
+    let (received, summary) = take(source, given, subject.bus, &near, Some(&mut activity))?;
+    let mut corrected = None;
+    if !has_picture(&received) {
         let why = summary.last.cause;
         page.notes.push(format!(
             "by the profile as given came no frame with data in it; at the trace's end: {why}"
         ));
         for mended in diagnosis.findings.iter().filter_map(|finding| fix(finding, given)) {
             let mut again = Activity::new(MOST_BUCKETS);
-            let (better, _) = take(source, &mended.profile, subject.bus, Some(&mut again))?;
+            let (better, _) = take(source, &mended.profile, subject.bus, &near, Some(&mut again))?;
             if has_picture(&better) {
                 page.notes.push("picture, lines and FIFO are those of the corrected profile".to_owned());
-                (frames, profile, activity) = (better, mended.profile, again);
+                activity = again;
+                corrected = Some((better, mended.profile));
                 break;
             }
         }
     }
-    page.bus = facts(&profile);
+    let (frames, profile) =
+        corrected.as_ref().map_or((&received, given), |(frames, profile)| (frames, profile));
+    let came = summary.statistics.frames() as usize;
+    if came > frames.len() {
+        page.notes.push(format!("the first {} of {came} frames are listed", frames.len()));
+    }
+    page.bus = facts(profile);
     page.activity = Some(activity);
-    let cuts = cut(recording, &profile);
+    let cuts = cut(recording, profile);
     let cut_of: Vec<Option<usize>> = frames.iter().map(|frame| cut_of(&cuts, frame)).collect();
-    page.places = diagnosis.findings.iter().map(|finding| place(finding, &profile, &cuts, &cut_of)).collect();
-    let pictured = pictured(&page.places, &frames);
+    page.places = diagnosis.findings.iter().map(|finding| place(finding, profile, &cuts, &cut_of)).collect();
+    let pictured = pictured(&page.places, frames);
     let mut wanted: Vec<Range<u64>> = Vec::new();
     for place in &page.places {
         wanted.push(place.clock.saturating_sub(AROUND)..place.clock + AROUND);
@@ -105,12 +115,12 @@ pub fn build(subject: &Subject<'_>) -> Result<Page, ReportError> {
             is_good: frame.verdict.outcome.is_good(),
             bytes: frame.verdict.bytes,
             lines: frame.verdict.lines,
-            crc32: frame.bytes.as_deref().map(picture::crc32),
+            crc32: frame.crc32,
             cut: cut_of[index],
             ..FrameFacts::default()
         };
         if let (true, Some(bytes)) = (pictured.contains(&index), &frame.bytes) {
-            facts.picture = Some(page.add(&picture::decode(bytes, &profile).picture));
+            facts.picture = Some(page.add(&picture::decode(bytes, profile).picture));
             facts.row_clocks = rows.map(|rows| rows.clocks()).unwrap_or_default();
             let clocks = facts.row_clocks.iter().flatten();
             wanted.extend(clocks.map(|clock| clock.saturating_sub(16)..clock + 48));
@@ -124,6 +134,11 @@ pub fn build(subject: &Subject<'_>) -> Result<Page, ReportError> {
     page.cuts = cuts.iter().map(lines).collect();
     add_rivals(&mut page, subject, &received, pictured.first().copied().unwrap_or(0))?;
     Ok(page)
+}
+
+/// The pixel clocks at which findings show.
+pub(super) fn places(diagnosis: &Diagnosis) -> Vec<u64> {
+    diagnosis.findings.iter().map(|finding| finding.at_pclk).collect()
 }
 
 fn has_picture(frames: &[Taken]) -> bool {
@@ -187,11 +202,16 @@ fn place(finding: &Finding, profile: &Profile, cuts: &[CutFrame], cut_of: &[Opti
     let ended = |end: u64| end < clock || end == clock && finding.line.unwrap_or(0) == 0;
     let which = cuts.partition_point(|cut| cut.end.is_some_and(ended));
     let frame = cut_of.iter().position(|cut| *cut == Some(which));
-    let row = cuts
+    let rows = cuts
         .get(which)
         .filter(|_| frame.is_some())
-        .and_then(|cut| Rows::new(cut, profile.samples_per_line(), profile.frame.height).row_of(clock));
-    FindingPlace { clock, frame, row, everywhere }
+        .map(|cut| Rows::new(cut, profile.samples_per_line(), profile.frame.height));
+    // A frame compared tells the byte, which is more than the clock.
+    let byte = finding.evidence.numbers.get("first_wrong_byte");
+    let sample = byte.map(|byte| *byte as u64 / u64::from(profile.bus.bytes_per_sample()));
+    let exact = rows.as_ref().and_then(|rows| rows.clock_of_sample(sample?));
+    let clock = exact.unwrap_or(clock);
+    FindingPlace { clock, frame, row: rows.and_then(|rows| rows.row_of(clock)), everywhere }
 }
 
 /// The frames whose pictures are shown: those of the findings, the most likely first, then the first ones.

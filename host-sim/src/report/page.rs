@@ -5,7 +5,7 @@ use image::{ExtendedColorType, ImageEncoder as _, RgbImage};
 use serde::Serialize;
 
 use super::waves::Wave;
-use crate::diagnosis::{Diagnosis, Finding};
+use crate::diagnosis::Diagnosis;
 use crate::receiver::Activity;
 
 /// All that a report holds. Its JSON stands in the page, pictures apart.
@@ -120,7 +120,7 @@ pub struct Rival {
     pub about: String,
     /// How sure, 0 to 1, on the scale of whoever says it.
     pub confidence: Option<f64>,
-    /// Who says it: `given`, `finding`, `look-alike` or `guess`.
+    /// Who says it: `given`, `received`, `finding`, `look-alike` or `guess`.
     pub by: &'static str,
     /// The profile's key or what else would be changed.
     pub setting: Option<String>,
@@ -171,11 +171,5 @@ impl Page {
             self.pictures.push(shot);
             self.pictures.len() - 1
         })
-    }
-
-    /// The first finding.
-    #[must_use]
-    pub fn first(&self) -> Option<&Finding> {
-        self.diagnosis.findings.first()
     }
 }

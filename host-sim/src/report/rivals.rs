@@ -1,7 +1,9 @@
 use image::{RgbImage, imageops};
 
+use super::build::places;
 use super::page::{Page, Rival};
 use super::take::{Taken, take};
+use super::text::grouped;
 use super::{ReportError, Subject};
 use crate::diagnosis::{FaultKind, Finding, fix};
 use crate::guess::sheet::picture_of;
@@ -33,6 +35,9 @@ pub(super) fn add_rivals(
             given,
             Rival { name, about: about.to_owned(), by: "given", ..Rival::default() },
         );
+    }
+    if let Some(received) = subject.received {
+        add_received(page, &mut seen, received, profile, frames);
     }
     for finding in subject.diagnosis.findings.iter().take(MOST) {
         let Some(mended) = mended(subject, frames, which, finding)? else { continue };
@@ -78,6 +83,42 @@ pub(super) fn add_rivals(
     Ok(())
 }
 
+/// What the device got, and where it differs from the frame of the trace that it is most like.
+fn add_received(
+    page: &mut Page,
+    seen: &mut Vec<RgbImage>,
+    received: &[u8],
+    profile: &Profile,
+    frames: &[Taken],
+) {
+    let device = decoded(received, profile);
+    let rival = Rival {
+        name: "what the device got".to_owned(),
+        about: "the frame of --received".to_owned(),
+        by: "received",
+        ..Rival::default()
+    };
+    push(page, seen, &device, rival);
+    let sent = frames.iter().filter_map(|frame| Some((frame, frame.bytes.as_deref()?)));
+    let alike = |bytes: &[u8]| bytes.iter().zip(received).filter(|(sent, got)| sent == got).count();
+    let Some((frame, sent)) = sent.max_by_key(|(_, bytes)| alike(bytes)) else { return };
+    let (mut marked, mut differ) = (decoded(sent, profile), 0u64);
+    for (pixel, got) in marked.pixels_mut().zip(device.pixels()) {
+        let same = pixel == got;
+        let gray = (u32::from(pixel.0[0]) + 2 * u32::from(pixel.0[1]) + u32::from(pixel.0[2])) / 10;
+        *pixel = if same { image::Rgb([gray as u8; 3]) } else { image::Rgb([255, 90, 40]) };
+        differ += u64::from(!same);
+    }
+    let all = u64::from(marked.width()) * u64::from(marked.height());
+    let rival = Rival {
+        name: format!("where it differs from frame {} of the trace", frame.verdict.sequence),
+        about: format!("{} of {} pixels", grouped(differ), grouped(all)),
+        by: "received",
+        ..Rival::default()
+    };
+    push(page, seen, &marked, rival);
+}
+
 /// The bytes of a frame, or of the first one that has any.
 pub(super) fn frame_of(frames: &[Taken], which: usize) -> Option<&[u8]> {
     let wanted = frames.get(which).and_then(|frame| frame.bytes.as_deref());
@@ -96,7 +137,7 @@ fn mended(
     let again = if fix.profile.bus == subject.source.profile().bus {
         None
     } else {
-        Some(take(subject.source, &fix.profile, subject.bus, None)?.0)
+        Some(take(subject.source, &fix.profile, subject.bus, &places(subject.diagnosis), None)?.0)
     };
     let Some(bytes) = frame_of(again.as_deref().unwrap_or(frames), which) else { return Ok(None) };
     let mended = fix.samples.map(|samples| samples.apply(bytes, &fix.profile));

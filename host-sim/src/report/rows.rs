@@ -33,7 +33,11 @@ impl Rows {
 
     /// The pixel clock of the first sample of a row; nothing if the frame ended before.
     pub(super) fn clock_of(&self, row: u64) -> Option<u64> {
-        let sample = row * self.samples_a_row;
+        self.clock_of_sample(row * self.samples_a_row)
+    }
+
+    /// The pixel clock of a sample of the frame, from 0; nothing if the frame ended before.
+    pub(super) fn clock_of_sample(&self, sample: u64) -> Option<u64> {
         let line = self.before.partition_point(|&before| before <= sample).checked_sub(1)?;
         self.lines.get(line).map(|cut| cut.start + sample - self.before[line])
     }

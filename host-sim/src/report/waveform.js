@@ -29,7 +29,7 @@ function drawWaveform() {
   const { perClock, label } = view;
   const room = Math.max(width - label, 1);
   const middle = chosen.clock ?? page.waves[0]?.start ?? 0;
-  view.first = middle - room / perClock / 3;
+  view.first = Math.max(middle - room / perClock / 3, -1);
   const x = (clock) => label + (clock - view.first) * perClock;
   const from = Math.max(Math.floor(view.first), 0), to = Math.ceil(view.first + room / perClock);
   const pins = new Map();
