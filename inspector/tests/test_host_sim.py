@@ -79,7 +79,8 @@ def play(truth):
     running = []
 
     def start(*arguments):
-        command = [PROGRAM, "stream", "--image", "scene.png", "--profile", "small.toml", "--rate", "40", *arguments]
+        command = [PROGRAM, "stream", "--image", "scene.png", "--profile", "small.toml", *arguments]
+        command += [] if "--rate" in arguments else ["--rate", "40"]
         running.append(subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True))
         return running[-1].stdout.readline().strip()
 
@@ -123,7 +124,7 @@ def test_every_encoding_gives_the_same_picture(play, truth, encoding):
 
 def test_noise_costs_lines_and_misplaces_none_and_they_come_again(play, truth):
     _, made = truth
-    with camif_inspect.open(play(*TCP, "--noise", "bits=1e-5,lost=0.02", "--seed", "7")) as camera:
+    with camif_inspect.open(play(*TCP, "--rate", "2", "--noise", "bits=1e-5,lost=0.02", "--seed", "7")) as camera:
         holes = mended = 0
         for place, frame in enumerate(camera.frames("raw", timeout=60)):
             assert np.array_equal(frame.rgb[frame.present], made["raw"][frame.present])
@@ -135,9 +136,9 @@ def test_noise_costs_lines_and_misplaces_none_and_they_come_again(play, truth):
                 except CommandError:
                     # The frame was given up meanwhile, or every reply was hit.
                     continue
-            if place > 10 and mended:
+            if place > 3 and mended:
                 break
-            assert place < 300
+            assert place < 40
         assert holes
         assert camera.receiver.counts.lines_lost
 

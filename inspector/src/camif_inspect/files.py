@@ -3,13 +3,33 @@
 from __future__ import annotations
 
 import os
+import signal
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import IO
 
 from .errors import InspectError
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let Ctrl-C wait until the block, a short one, is over."""
+    if threading.current_thread() is not threading.main_thread():
+        # Interrupts come to the main thread only.
+        yield
+        return
+    waiting: list[tuple[int, FrameType | None]] = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: waiting.append((number, frame)))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
+        if waiting and callable(before):
+            before(*waiting[0])
 
 
 @contextmanager
@@ -18,13 +38,15 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
 
     An exception, Ctrl-C included, leaves an older file of that name as it was and nothing of the new one.
     """
+    temporary: Path | None = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    except OSError as error:
-        raise InspectError(f"cannot write {path}: {error.strerror}") from error
-    temporary = Path(name)
-    try:
+        try:
+            with uninterrupted():
+                path.parent.mkdir(parents=True, exist_ok=True)
+                handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+                temporary = Path(name)
+        except OSError as error:
+            raise InspectError(f"cannot write {path}: {error.strerror}") from error
         with os.fdopen(handle, "wb") as file:
             yield file
             file.flush()
@@ -35,5 +57,6 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
     except BaseException:
-        temporary.unlink(missing_ok=True)
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
         raise

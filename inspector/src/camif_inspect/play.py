@@ -15,7 +15,8 @@ from .port import EndOfSource, RecordedSource
 Send = Callable[[bytes], None]
 Channel = AbstractContextManager[Send]
 # How long a listener may take for what is left at the end.
-_DRAIN_SECONDS = 5.0
+_DRAIN_SECONDS = 10.0
+_QUIET_SECONDS = 0.3
 
 
 def _overhear(channel: int | socket.socket, read: Callable[[int], bytes]) -> None:
@@ -74,8 +75,12 @@ def _pty(announce: Callable[[str], None]) -> Iterator[Send]:
 
         yield send
         # What the listener has not taken yet would be lost with the terminal; one that is gone takes no more.
+        # The kernel moves bytes along in its own time: empty for one look does not mean empty.
         deadline = time.monotonic() + _DRAIN_SECONDS
-        while time.monotonic() < deadline and select.select([terminal], [], [], 0)[0]:
+        empty_since = time.monotonic()
+        while time.monotonic() < min(deadline, empty_since + _QUIET_SECONDS):
+            if select.select([terminal], [], [], 0)[0]:
+                empty_since = time.monotonic()
             time.sleep(0.01)
     finally:
         os.close(terminal)

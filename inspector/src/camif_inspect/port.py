@@ -69,6 +69,8 @@ def _reason(error: BaseException) -> str:
     if isinstance(number, int) and number in errno.errorcode:
         return os.strerror(number).lower()
     text = str(error) or type(error).__name__
+    if "readiness to read but returned no data" in text:
+        return "it was unplugged, or its other end closed, or another program reads it as well"
     # pyserial prefixes what we say already.
     return text.split(": ", 1)[-1].splitlines()[0]
 

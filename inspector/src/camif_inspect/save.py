@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from .files import replacing
+from .files import replacing, uninterrupted
 from .frame import Frame
 
 KINDS = ("png", "raw")
@@ -23,7 +23,7 @@ def stem(frame: Frame) -> str:
 
 def save_frame(frame: Frame, path: Path, kind: str) -> None:
     """Write a frame: `png`, 8 bits, missing lines as a magenta and black checker; `raw`, the bytes of its format."""
-    with replacing(path) as file:
+    with uninterrupted(), replacing(path) as file:
         if kind == "raw":
             file.write(frame.data.tobytes())
         else:
