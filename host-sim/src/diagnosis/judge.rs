@@ -2,8 +2,11 @@
 
 use algos_nostd::pixel::format::Format;
 
-use super::data::{Data, MOST_LINES, Mixing};
+use super::data::{Data, MOST_LINES};
 use super::finding::{Diagnosis, Evidence, Finding, Measured, Place};
+use super::marks::Marks;
+use super::mixing::{Mixing, TIMES};
+use super::pitch::missed_clocks;
 use super::planes::Matrix;
 use super::recording::Recording;
 use super::remedy;
@@ -62,26 +65,44 @@ pub fn diagnose(recording: &Recording, profile: &Profile, pclk_hz: Option<u32>) 
 fn examine(recording: &Recording, profile: &Profile, shape: &Shape, data: &Data<'_>) -> Vec<Finding> {
     let structure = Structure::new(profile, shape);
     let mut findings = structure.findings(recording);
-    let whole = findings.is_empty();
-    let format = profile.frame.format;
-    let mixing = Mixing::of(data.matrix, format).finding(profile);
-    let mixing = mixing.or_else(|| {
-        // No line is left whole: look at the wires line period by line period.
-        let unusable = !whole && data.matrix.height() < shape.lines().count() / 2;
-        let evenly = !findings.iter().any(|finding| finding.fault == FaultKind::Undersampling);
-        (unusable && evenly || shape.frames.is_empty())
-            .then(|| Mixing::of(&raw_matrix(recording, profile), format).finding(profile))
-            .flatten()
-    });
-    // Edges of lines that wander, or ends of them that are lost, come with samples taken at the wrong time.
-    if let Some(mixing) = mixing {
-        findings.iter_mut().for_each(|finding| finding.confidence *= 0.4);
-        findings.push(mixing);
-    } else if whole {
+    if findings.is_empty() {
+        // Levels and marks are where they should be, so only samples can be wrong.
         findings = data.findings();
         findings.extend(structure.blanking());
+        if let Some(mut mixing) = Mixing::of(data.matrix, profile.frame.format).finding(profile, TIMES.1) {
+            // Bytes and wires in another order look like many things.
+            mixing.confidence *= if findings.is_empty() { 1.0 } else { 0.5 };
+            findings.push(mixing);
+        }
+        return findings;
+    }
+    // What explains all lines explains those that deviate.
+    let other_format = findings.first().is_some_and(|first| first.fault == FaultKind::FormatMismatch);
+    let missed = (!other_format).then(|| missed_clocks(recording, profile, shape)).flatten();
+    let all = missed.or_else(|| untimely(recording, profile, shape, data));
+    if let Some(all) = all {
+        findings.iter_mut().for_each(|finding| finding.confidence *= 0.4);
+        findings.push(all);
     }
     findings
+}
+
+/// Samples that were taken while the wires changed, by the marks of sync and by the picture.
+fn untimely(recording: &Recording, profile: &Profile, shape: &Shape, data: &Data<'_>) -> Option<Finding> {
+    let format = profile.frame.format;
+    let marks = Marks::of(recording, profile, shape);
+    let mixing = Mixing::of(data.matrix, format).finding(profile, TIMES.0);
+    match (marks.finding(profile), mixing) {
+        // The picture may hide most of what happens; a mark does not.
+        (Some(marks), Some(mixing)) => {
+            let evidence = Evidence {
+                text: format!("{}; {}", marks.evidence.text, mixing.evidence.text),
+                numbers: marks.evidence.numbers.into_iter().chain(mixing.evidence.numbers).collect(),
+            };
+            Some(Finding { confidence: 0.97, evidence, ..marks })
+        }
+        (marks, mixing) => marks.or(mixing),
+    }
 }
 
 /// The profile with other levels, if the wires fit it then.
@@ -271,18 +292,6 @@ fn matrix_of(recording: &Recording, profile: &Profile, shape: &Shape) -> Matrix 
         }
     }
     matrix
-}
-
-/// The wires cut by the line period of the profile, whatever sync says.
-fn raw_matrix(recording: &Recording, profile: &Profile) -> Matrix {
-    let width = (profile.clocks_per_line() as usize).max(1);
-    let lines = (recording.samples.len() / width).min(MOST_LINES);
-    Matrix {
-        width,
-        samples: recording.samples[..lines * width].to_vec(),
-        starts: (0..lines).map(|line| line * width).collect(),
-        bits: profile.bus.bits,
-    }
 }
 
 /// Causes of which nothing in a trace tells this one.

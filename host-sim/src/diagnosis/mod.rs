@@ -14,8 +14,12 @@
 //! | `shape` | frames and lines as sync cuts them |
 //! | `cut` | the same for others: [`cut()`] |
 //! | `structure` | what the lengths of lines, gaps, frames and pulses say |
+//! | `pitch` | the line's period as the picture tells it |
+//! | `marks` | marks of sync that are a clock late, or damaged |
 //! | `planes` | colour planes, and what a picture costs in bits |
-//! | `data` | what the samples say |
+//! | `mixing` | samples that show wires of the sample before |
+//! | `statistics` | what each data wire does |
+//! | `data` | what the samples say, with its rules in `wires`, `orders`, `slip` and `mosaic` |
 //! | `remedy` | what to change, by class |
 //! | `judge` | all rules in order: [`diagnose`] |
 //! | `received` | a frame that the device got against the trace: [`compare`] |
@@ -26,8 +30,16 @@ mod recording;
 mod shape;
 mod cut;
 mod structure;
+mod pitch;
+mod marks;
 mod planes;
+mod mixing;
+mod statistics;
 mod data;
+mod wires;
+mod orders;
+mod slip;
+mod mosaic;
 mod remedy;
 mod judge;
 mod received;

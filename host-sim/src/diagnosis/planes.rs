@@ -123,12 +123,26 @@ fn planes(format: Format, bits: u32) -> Vec<Plane> {
     }
 }
 
+/// Differences of neighbours, in levels of 8 bits, that tell calm places from busy ones.
+const BUSY: [u32; 3] = [4, 12, 32];
+
 /// Bits that a sample costs if the lines are of this format.
 pub(super) fn cost(matrix: &Matrix, format: Format) -> f64 {
+    cost_in(matrix, format, &[])
+}
+
+/// The same, calm and busy places apart: what the lowest wires do shows in calm places only.
+pub(super) fn fine_cost(matrix: &Matrix, format: Format) -> f64 {
+    cost_in(matrix, format, &BUSY)
+}
+
+/// Errors are counted by how many of these differences the sample's neighbours exceed.
+fn cost_in(matrix: &Matrix, format: Format, contexts: &[u32]) -> f64 {
     let (mut bits, mut samples) = (0.0, 0usize);
     let (mut above, mut here) = (Vec::new(), Vec::new());
     for plane in planes(format, matrix.bits) {
-        let mut histogram = vec![0u32; 1 << plane.bits];
+        let mut histograms = vec![0u32; (contexts.len() + 1) << plane.bits];
+        let calm = plane.bits.saturating_sub(8);
         let mask = (1u16 << plane.bits) - 1;
         above.clear();
         for y in (plane.row..matrix.height()).step_by(plane.rows) {
@@ -149,12 +163,15 @@ pub(super) fn cost(matrix: &Matrix, format: Format) -> f64 {
                     } else {
                         a + b - c
                     };
-                    histogram[usize::from(here[x].wrapping_sub(foretold) & mask)] += 1;
+                    let busy = (u32::from(a.abs_diff(c)) + u32::from(b.abs_diff(c))) >> calm;
+                    let context = contexts.iter().take_while(|&&least| busy >= least).count();
+                    let error = usize::from(here[x].wrapping_sub(foretold) & mask);
+                    histograms[context << plane.bits | error] += 1;
                 }
             }
             std::mem::swap(&mut above, &mut here);
         }
-        bits += entropy(&histogram);
+        bits += histograms.chunks(1 << plane.bits).map(entropy).sum::<f64>();
     }
     samples += (matrix.height().saturating_sub(rows(format))) * matrix.width;
     if samples == 0 { 0.0 } else { bits / samples as f64 }

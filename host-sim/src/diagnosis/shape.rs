@@ -59,6 +59,8 @@ pub(super) struct Codes {
     start: u16,
     end: u16,
     blank: [u16; 2],
+    /// Any other code is one of blanking; behind wrong wires it is what data happens to look like.
+    others: bool,
 }
 
 impl Codes {
@@ -69,12 +71,13 @@ impl Codes {
             start: wires(0x80),
             end: wires(0x9D),
             blank: [0xAB, 0xB6].map(&wires),
+            others: wires(0xFF) == 0xFF && wires(0x80) == 0x80,
         }
     }
 
     /// They can be told from one another.
     pub(super) fn are_distinct(&self) -> bool {
-        let Self { prefix, start, end, blank } = *self;
+        let Self { prefix, start, end, blank, .. } = *self;
         prefix[0] != prefix[1] && start != end && !blank.contains(&start) && !blank.contains(&end)
     }
 }
@@ -102,6 +105,10 @@ impl Shape {
                 continue;
             }
             let (code, here) = (samples[at + 3], at);
+            if !codes.others && ![codes.start, codes.end, codes.blank[0], codes.blank[1]].contains(&code) {
+                at += 1;
+                continue;
+            }
             at += 4;
             if let Some(start) = line.take() {
                 frame.lines.push(Line { start, length: here - start });

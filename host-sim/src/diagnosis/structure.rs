@@ -46,7 +46,7 @@ pub(super) fn mode(numbers: impl Iterator<Item = usize>) -> Option<usize> {
     counts.into_iter().max_by_key(|&(number, count)| (count, number)).map(|(number, _)| number)
 }
 
-fn median(mut numbers: Vec<usize>) -> Option<usize> {
+pub(super) fn median(mut numbers: Vec<usize>) -> Option<usize> {
     numbers.sort_unstable();
     numbers.get(numbers.len() / 2).copied()
 }
@@ -98,9 +98,6 @@ impl<'a> Structure<'a> {
 
     /// Findings, the most likely first; none if everything is as the profile says.
     pub(super) fn findings(&self, recording: &Recording) -> Vec<Finding> {
-        if let Some(finding) = self.slow_codes(recording) {
-            return vec![finding];
-        }
         let all = self.common();
         if !all.is_empty() {
             return all;
@@ -158,46 +155,6 @@ impl<'a> Structure<'a> {
                 evidence,
                 remedy::of(FaultKind::MissingVsync, self.profile),
             )
-        })
-    }
-
-    /// Codes of which bytes are missing, and lines of fewer clocks than they should have between them.
-    ///
-    /// No sample but those of codes is 00 or FF, so what is left of a code still shows where it was.
-    fn slow_codes(&self, recording: &Recording) -> Option<Finding> {
-        if self.profile.bus.sync != SyncMode::Embedded || self.shape.fit(self.profile) > 0.5 {
-            return None;
-        }
-        let mut codes: Vec<usize> = Vec::new();
-        let mut last = None::<usize>;
-        for (at, _) in recording.samples.iter().enumerate().filter(|(_, sample)| matches!(sample, 0 | 0xFF)) {
-            if last.is_none_or(|last| at > last + 4) {
-                codes.push(at);
-            }
-            last = Some(at);
-        }
-        // Whole codes speak for themselves.
-        if 4 * self.shape.codes > codes.len() {
-            return None;
-        }
-        let period = median(codes.windows(3).map(|codes| codes[2] - codes[0]).collect())?;
-        let claimed = self.profile.clocks_per_line() as usize;
-        let percent = 100.0 * period as f64 / claimed as f64;
-        if codes.len() > 16 && (99.5..100.5).contains(&percent) {
-            let text = format!(
-                "what is left of the codes comes every {period} clocks, as it should, and few are whole"
-            );
-            let evidence = Evidence::new(text)
-                .with("period_clocks", period as f64)
-                .with("codes", self.shape.codes as f64);
-            let kind = FaultKind::WrongEdge;
-            return Some(found(kind, 0.8, At::default(), evidence, remedy::of(kind, self.profile)));
-        }
-        (codes.len() > 16 && (20.0..99.5).contains(&percent)).then(|| {
-            let text = format!("what is left of the codes comes every {period} clocks, not every {claimed}: {percent:.0} % of the clocks are seen");
-            let evidence = Evidence::new(text).with("period_clocks", period as f64).with("period_expected_clocks", claimed as f64);
-            let kind = FaultKind::Undersampling;
-            found(kind, 0.9, At::default(), evidence, remedy::of(kind, self.profile))
         })
     }
 
