@@ -29,8 +29,8 @@ pub struct CaseResult {
     pub seed: u64,
     /// The frames received are those sent, byte by byte, and no others.
     pub intact: bool,
-    /// Classes found, the most likely first, with their confidence in thousandths.
-    pub found: Vec<(FaultKind, u32)>,
+    /// Classes found, the most likely first, with their confidence and their score in thousandths.
+    pub found: Vec<(FaultKind, u32, u32)>,
 }
 
 /// Plays into several sinks at once.
@@ -101,9 +101,13 @@ pub fn run(case: &Case, pictures: &Pictures) -> CaseResult {
         found: diagnosis
             .findings
             .iter()
-            .map(|finding| (finding.fault, (1000.0 * finding.confidence).round() as u32))
+            .map(|finding| (finding.fault, thousandths(finding.confidence), thousandths(finding.score)))
             .collect(),
     }
+}
+
+fn thousandths(share: f64) -> u32 {
+    (1000.0 * share).round() as u32
 }
 
 /// A sink that keeps nothing.

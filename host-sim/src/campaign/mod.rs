@@ -15,15 +15,18 @@
 //! | `case` | one case, from picture to finding |
 //! | `results` | result files, written and merged |
 //! | `table` | what came of all cases |
+//! | `reliability` | how often findings of a stated confidence were right |
 
 mod plan;
 mod view;
 mod case;
 mod results;
 mod table;
+mod reliability;
 
 pub use case::{CaseResult, run};
 pub use plan::{Case, Plan, PlanError, Shard, small};
+pub use reliability::Reliability;
 pub use results::{Header, ResultsError, merge, read, write};
 pub use table::Table;
 pub use view::Pictures;

@@ -39,7 +39,7 @@ impl Table {
                 continue;
             };
             let row = table.rows.entry(class).or_default();
-            let place = result.found.iter().position(|(found, _)| *found == class);
+            let place = result.found.iter().position(|(found, ..)| *found == class);
             row.cases += 1;
             if result.intact {
                 row.masked += 1;
@@ -49,7 +49,7 @@ impl Table {
             row.flagged += u64::from(!result.found.is_empty());
             row.first += u64::from(place == Some(0));
             row.second += u64::from(place.is_some_and(|place| place < 2));
-            if let (Some((found, _)), true) = (result.found.first(), place != Some(0)) {
+            if let (Some((found, ..)), true) = (result.found.first(), place != Some(0)) {
                 *row.mistaken.entry(*found).or_default() += 1;
             }
         }

@@ -5,7 +5,7 @@ use clap::Args;
 use rayon::prelude::*;
 
 use super::{Outcome, progress};
-use crate::campaign::{CaseResult, Header, Pictures, Plan, Shard, Table, merge, run, write};
+use crate::campaign::{CaseResult, Header, Pictures, Plan, Reliability, Shard, Table, merge, run, write};
 use crate::picture;
 use crate::report::campaign_junit;
 
@@ -56,12 +56,15 @@ pub struct Merge {
 /// What is done with the table.
 #[derive(Debug, Args)]
 struct Tables {
-    /// A text file that holds the table between two marks; a difference is an error
+    /// A text file that holds the tables between their marks; a difference is an error
     #[arg(long, value_name = "FILE.md")]
     table: Option<PathBuf>,
-    /// Writes the table there instead
+    /// Writes the tables there instead
     #[arg(long, requires = "table")]
     bless: bool,
+    /// Prints the curve from score to confidence that these results ask for (`host-sim/src/diagnosis/calibration.rs`)
+    #[arg(long)]
+    fit: bool,
     /// Writes JUnit XML for a CI: a test case for each class of faults
     #[arg(long, value_name = "FILE.xml")]
     junit: Option<PathBuf>,
@@ -116,9 +119,6 @@ impl Merge {
     }
 }
 
-const BEGIN: &str = "<!-- campaign -->\n";
-const END: &str = "\n<!-- end of campaign -->";
-
 impl Tables {
     fn show(&self, results: &[CaseResult]) -> anyhow::Result<Outcome> {
         let table = Table::of(results);
@@ -129,25 +129,36 @@ impl Tables {
         if let Some(path) = &self.junit {
             picture::write_raw(path, campaign_junit(results, &table.shortfalls())?.as_bytes())?;
         }
+        let reliability = Reliability::of(results);
+        println!("\n{reliability}");
+        if self.fit {
+            let curve: Vec<String> =
+                reliability.curve().iter().map(|(score, share)| format!("({score:?}, {share:?})")).collect();
+            println!("\nconst CURVE: &[(f64, f64)] = &[{}];", curve.join(", "));
+        }
         if let Some(path) = &self.table {
-            self.compare(path, &table.to_string())?;
+            self.compare(path, "campaign", &table.to_string())?;
+            self.compare(path, "reliability", &reliability.to_string())?;
         }
         Ok(if table.shortfalls().is_empty() { Outcome::Fine } else { Outcome::Fault })
     }
 
-    fn compare(&self, path: &Path, table: &str) -> anyhow::Result<()> {
+    /// Holds a table against the one between two marks of a text file, or puts it there.
+    fn compare(&self, path: &Path, mark: &str, table: &str) -> anyhow::Result<()> {
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-        let marks = text.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?)));
+        let (begin, end) = (format!("<!-- {mark} -->"), format!("<!-- end of {mark} -->"));
+        let marks = text.split_once(&begin).and_then(|(head, rest)| Some((head, rest.split_once(&end)?)));
         let Some((head, (held, tail))) = marks else {
-            bail!("{}: no table between `<!-- campaign -->` and `<!-- end of campaign -->`", path.display())
+            bail!("{}: no table between `{begin}` and `{end}`", path.display())
         };
+        let table = format!("\n{table}\n");
         if self.bless {
-            let blessed = format!("{head}{BEGIN}{table}{END}{tail}");
+            let blessed = format!("{head}{begin}{table}{end}{tail}");
             return Ok(picture::write_raw(path, blessed.as_bytes())?);
         }
         if held != table {
             bail!(
-                "{}: its table is another one; look at the difference, and say --bless if it is better",
+                "{}: its table of the {mark} is another one; look at the difference, and say --bless if it is better",
                 path.display()
             );
         }

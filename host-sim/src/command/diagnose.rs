@@ -94,6 +94,9 @@ impl Diagnose {
             );
         }
         let mut diagnosis = diagnose(&recording, profile, source.trace().info().pclk_hz);
+        if let (Some(clock), false) = (&source.trace().info().clock, guess_is_profile) {
+            diagnosis.look_at_edge(clock, profile);
+        }
         let frames =
             if received.is_some() || self.fix.is_some() { frames(&source, profile)? } else { Vec::new() };
         if let Some(received) = &received {
@@ -265,8 +268,8 @@ fn text(diagnosis: &Diagnosis, compared: bool) -> String {
             finding.fault.about()
         );
         let _ = writeln!(text, "   where     clock {}{line}", grouped(finding.at_pclk));
-        let _ = writeln!(text, "   evidence  {}", finding.evidence.text);
-        let _ = writeln!(text, "   remedy    {}", finding.remedy.text);
+        let _ = writeln!(text, "   evidence  {}", wrapped(&finding.evidence.text));
+        let _ = writeln!(text, "   remedy    {}", wrapped(&finding.remedy.text));
         for (name, setting) in [("profile", &finding.remedy.profile), ("register", &finding.remedy.register)]
         {
             if let Some(setting) = setting {
@@ -285,6 +288,26 @@ fn text(diagnosis: &Diagnosis, compared: bool) -> String {
     }
     let _ = writeln!(text, "the cause is in: {}", diagnosis.place);
     text
+}
+
+/// Words in lines of 100 columns, those after the first under the first.
+fn wrapped(text: &str) -> String {
+    const INDENT: usize = 13;
+    let (mut lines, mut column) = (String::new(), INDENT);
+    for word in text.split(' ') {
+        let length = word.chars().count();
+        if column > INDENT && column + 1 + length > 100 {
+            lines.push('\n');
+            lines.push_str(&" ".repeat(INDENT));
+            column = INDENT;
+        } else if column > INDENT {
+            lines.push(' ');
+            column += 1;
+        }
+        lines.push_str(word);
+        column += length;
+    }
+    lines
 }
 
 /// The most frequent numbers of a histogram.

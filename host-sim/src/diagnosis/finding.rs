@@ -10,8 +10,11 @@ use crate::fault::FaultKind;
 pub struct Finding {
     /// The class.
     pub fault: FaultKind,
-    /// How sure the rule is, 0 to 1: a score by which findings are ranked; `docs/diagnosis.md` says how often the first is right.
+    /// How likely this is the cause, 0 to 1, if all classes are equally likely: measured in campaigns for findings of
+    /// such a score. `docs/diagnosis.md` holds what came of it on other seeds.
     pub confidence: f64,
+    /// The score of the rule that found it, 0 to 1, by which findings are ranked.
+    pub score: f64,
     /// The pixel clock at which it shows first, from 0.
     pub at_pclk: u64,
     /// The line of the frame at that place, from 0; nothing where it is outside a frame or everywhere.

@@ -2,6 +2,7 @@
 
 use algos_nostd::pixel::format::Format;
 
+use super::calibration;
 use super::data::{Data, MOST_LINES};
 use super::finding::{Diagnosis, Evidence, Finding, Measured, Place};
 use super::marks::Marks;
@@ -55,6 +56,10 @@ pub fn diagnose(recording: &Recording, profile: &Profile, pclk_hz: Option<u32>) 
     let mut kinds = std::collections::BTreeSet::new();
     findings.sort_by(|a, b| b.confidence.total_cmp(&a.confidence));
     findings.retain(|finding| finding.confidence >= 0.05 && kinds.insert(finding.fault));
+    for finding in &mut findings {
+        finding.score = finding.confidence;
+        finding.confidence = calibration::confidence(finding.score);
+    }
     let ambiguous_with = findings.first().map(|first| look_alikes(first, &profile)).unwrap_or_default();
     let place = if findings.is_empty() { Place::Nowhere } else { Place::WireOrSensor };
     let measured = measure(recording, &profile, &shape, &data, pclk_hz);

@@ -97,9 +97,8 @@ impl Marks {
             .iter()
             .filter(|(start, length)| *length == usual + 1 && (start + period + 1 - phase) % period <= 2);
         let Some((first, _)) = longer.clone().next() else { return marks };
-        if marks.moved == 0 {
-            marks.first = *first as u64;
-        }
+        let first = *first as u64;
+        marks.first = if marks.moved == 0 { first } else { first.min(marks.first) };
         marks.moved += longer.count() as u64;
         marks
     }
@@ -162,5 +161,82 @@ impl Marks {
         let confidence = if self.moved >= 4 { 0.95 } else { 0.8 };
         let at = At { clock: self.first, line: None };
         Some(found(kind, confidence, at, evidence, remedy::of(kind, profile)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::recording::Run;
+    use firmware::camif::pins::Sync;
+
+    /// A recording of markers that start at these clocks and are so long.
+    fn markers(marks: &[(usize, usize)], clocks: usize) -> Recording {
+        let mut recording =
+            Recording { samples: vec![7; clocks], clocks: clocks as u64, ..Recording::default() };
+        let mut at = 0;
+        let mut run = |hsync, from: usize, to: usize| {
+            recording.runs.push(Run { sync: Sync { hsync, vsync: false }, start: from, length: to - from });
+        };
+        for &(start, length) in marks {
+            run(false, at, start);
+            run(true, start, start + length);
+            at = start + length;
+        }
+        run(false, at, clocks);
+        recording
+    }
+
+    fn profile(text: &str) -> Profile {
+        Profile::from_toml(text).unwrap()
+    }
+
+    #[test]
+    fn single_markers_that_are_late_or_long_are_told_from_clocks_too_many() {
+        let profile = profile(
+            "[bus]\nsync = \"marker\"\nhsync_blank = \"high\"\nvsync_blank = \"high\"\n\
+             [frame]\nwidth = 50\nheight = 40\nformat = \"gray8\"\n[timing]\nhblank = 0\nvblank = 0\n",
+        );
+        let marks: Vec<(usize, usize)> = (1..40).map(|line| (50 * line, 1)).collect();
+        let looked = |marks: &[(usize, usize)]| {
+            Marks::of(&markers(marks, 2_100), &profile, &Shape::default()).finding(&profile)
+        };
+        assert_eq!(looked(&marks), None);
+        let mut later = marks.clone();
+        later[20..].iter_mut().for_each(|mark| mark.0 += 1);
+        assert_eq!(looked(&later), None, "a clock too many");
+        let mut long = marks.clone();
+        long[3].1 = 2;
+        long[9].0 += 1;
+        let finding = looked(&long).unwrap();
+        assert_eq!(
+            (finding.fault, finding.at_pclk),
+            (FaultKind::ClockJitter, 200),
+            "{}",
+            finding.evidence.text
+        );
+        let mut wrong = marks.clone();
+        wrong.iter_mut().step_by(3).for_each(|mark| mark.0 += 1);
+        wrong.iter_mut().skip(1).step_by(3).for_each(|mark| mark.1 = 2);
+        assert_eq!(looked(&wrong).unwrap().fault, FaultKind::WrongEdge);
+    }
+
+    #[test]
+    fn damaged_codes_are_told_from_codes_behind_wrong_wires() {
+        let profile = Profile::find("bt656-vga-yuv422").unwrap();
+        let line = profile.clocks_per_line() as usize;
+        let looked = |lead: &dyn Fn(usize) -> [u16; 2]| {
+            let mut samples = vec![0x55; 60 * line];
+            for row in 0..60 {
+                samples[row * line + 9..][..4].copy_from_slice(&[lead(row)[0], lead(row)[1], 0, 0x80]);
+            }
+            let recording = Recording { samples, ..Recording::default() };
+            Marks::of(&recording, &profile, &Shape::default()).finding(&profile).map(|finding| finding.fault)
+        };
+        assert_eq!(looked(&|_| [0xFF, 0]), None);
+        assert_eq!(looked(&|_| [0xF7, 0]), None, "D3 is low");
+        let some = |row: usize| if row.is_multiple_of(9) { [0xD5 | row as u16, 0] } else { [0xFF, 0] };
+        assert_eq!(looked(&some), Some(FaultKind::ClockJitter));
+        assert_eq!(looked(&|row| [0x55 | row as u16, row as u16 & 0x2A]), Some(FaultKind::WrongEdge));
     }
 }

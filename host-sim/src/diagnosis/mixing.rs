@@ -139,3 +139,40 @@ impl Mixing {
         Some(found(kind, 0.96, at, evidence, remedy::of(kind, profile)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A smooth picture in three colours that are far apart.
+    fn picture() -> Matrix {
+        let mut matrix = Matrix { width: 192, bits: 8, ..Matrix::default() };
+        for y in 0..40u16 {
+            matrix.starts.push(192 * usize::from(y));
+            matrix.samples.extend((0..192).map(|x| [20, 120, 230][usize::from(x % 3)] + x / 32 + y / 8));
+        }
+        matrix
+    }
+
+    #[test]
+    fn a_mixture_of_two_bytes_is_one_wire_by_wire() {
+        assert!(mixes(0xD1, 0xD5, 0x70, 0x75), "D1 has 4 fewer than D5, as 71 has");
+        assert!(!mixes(0x0F, 0xF0, 0x70, 0x75));
+        assert!(mixes(0x72, 0xFF, 0x70, 0x75), "what fits by itself does so with anything");
+    }
+
+    #[test]
+    fn samples_that_show_the_one_before_are_told_from_a_picture() {
+        let profile = Profile::default();
+        let clean = picture();
+        assert_eq!(Mixing::of(&clean, Format::Rgb888).finding(&profile, 1.3), None);
+        let mut hit = clean.clone();
+        for at in (40..hit.samples.len()).step_by(29) {
+            hit.samples[at] = clean.samples[at - 1] & 0xA5 | clean.samples[at] & 0x5A;
+        }
+        let finding = Mixing::of(&hit, Format::Rgb888).finding(&profile, 1.3).unwrap();
+        assert_eq!(finding.fault, FaultKind::ClockJitter, "{}", finding.evidence.text);
+        let share = finding.evidence.numbers["share_of_samples"];
+        assert!((0.01..0.05).contains(&share), "one in 29 was hit: {share}");
+    }
+}

@@ -13,7 +13,7 @@
 //! | `recording` | the beginning of a trace in memory |
 //! | `shape` | frames and lines as sync cuts them |
 //! | `cut` | the same for others: [`cut()`] |
-//! | `structure` | what the lengths of lines, gaps, frames and pulses say |
+//! | `structure` | what the lengths of lines, gaps, frames and pulses say, with its rules in `common` and `deviations` |
 //! | `pitch` | the line's period as the picture tells it |
 //! | `marks` | marks of sync that are a clock late, or damaged |
 //! | `planes` | colour planes, and what a picture costs in bits |
@@ -21,7 +21,9 @@
 //! | `statistics` | what each data wire does |
 //! | `data` | what the samples say, with its rules in `wires`, `orders`, `slip` and `mosaic` |
 //! | `remedy` | what to change, by class |
+//! | `calibration` | from the score of a rule to a probability |
 //! | `judge` | all rules in order: [`diagnose`] |
+//! | `edge` | where data moves in an analyser's samples |
 //! | `received` | a frame that the device got against the trace: [`compare`] |
 //! | `fix` | the profile and the picture corrected |
 
@@ -30,6 +32,8 @@ mod recording;
 mod shape;
 mod cut;
 mod structure;
+mod common;
+mod deviations;
 mod pitch;
 mod marks;
 mod planes;
@@ -41,7 +45,9 @@ mod orders;
 mod slip;
 mod mosaic;
 mod remedy;
+mod calibration;
 mod judge;
+mod edge;
 mod received;
 mod fix;
 

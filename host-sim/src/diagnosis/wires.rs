@@ -183,3 +183,41 @@ impl Data<'_> {
         alone != left
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::swap_bits;
+    use crate::profile::Profile;
+
+    /// What is found of ten-bit samples of a noisy ramp, its upper bits repeated below, behind these wires.
+    fn looked(wires: impl Fn(u16) -> u16) -> Vec<(FaultKind, Option<f64>)> {
+        let profile = Profile::find("vga-raw10").unwrap();
+        let mut random = crate::fault::Random::new(3);
+        let mut matrix = Matrix { width: 64, bits: 10, ..Matrix::default() };
+        for y in 0..64u16 {
+            matrix.starts.push(64 * usize::from(y));
+            matrix.samples.extend((0..64).map(|x| {
+                let byte = 2 * x + y + random.below(8) as u16;
+                wires(byte << 2 | byte >> 6)
+            }));
+        }
+        let data = Data::new(&profile, &matrix);
+        let findings = data.findings().into_iter();
+        findings.map(|found| (found.fault, found.evidence.numbers.get("a").copied())).collect()
+    }
+
+    #[test]
+    fn a_short_to_a_repeated_bit_is_told_from_an_exchange() {
+        let short = |a: u32, b: u32| {
+            move |sample: u16| {
+                let both = 1 << a | 1 << b;
+                if sample & both == both { sample } else { sample & !both }
+            }
+        };
+        assert_eq!(looked(|sample| sample), []);
+        assert_eq!(looked(short(6, 8)), [(FaultKind::ShortedBits, Some(6.0))]);
+        assert_eq!(looked(short(1, 4)), [(FaultKind::ShortedBits, Some(1.0))]);
+        assert_eq!(looked(|sample| swap_bits(sample, 0, 6)), [(FaultKind::SwappedBits, Some(0.0))]);
+    }
+}

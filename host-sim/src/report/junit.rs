@@ -88,7 +88,7 @@ fn class_status(class: FaultKind, shown: &[&CaseResult]) -> TestCaseStatus {
         status.set_message("every frame came as it was sent: the fault is masked");
         return status;
     }
-    let first = |result: &&CaseResult| result.found.first().is_some_and(|(found, _)| *found == class);
+    let first = |result: &&CaseResult| result.found.first().is_some_and(|(found, ..)| *found == class);
     let wrong: Vec<&CaseResult> = shown.iter().copied().filter(|result| !first(result)).collect();
     let unflagged = wrong.iter().filter(|result| result.found.is_empty()).count();
     if unflagged == 0 && 100 * wrong.len() <= 5 * shown.len() {
@@ -116,7 +116,7 @@ fn failed(message: String, cases: &[&CaseResult]) -> TestCaseStatus {
 
 fn told(result: &CaseResult) -> String {
     let found: Vec<String> =
-        result.found.iter().map(|(kind, sure)| format!("{kind} ({} %)", sure / 10)).collect();
+        result.found.iter().map(|(kind, sure, _)| format!("{kind} ({} %)", sure / 10)).collect();
     let found = if found.is_empty() { "nothing".to_owned() } else { found.join(", ") };
     let fault = if result.fault.is_empty() { "no fault" } else { &result.fault };
     format!(
@@ -166,6 +166,7 @@ mod tests {
         let finding = Finding {
             fault: FaultKind::StuckBit,
             confidence: 0.97,
+            score: 0.97,
             at_pclk: 77,
             line: Some(3),
             evidence: Evidence::new("D5 < \"D4\" & is\u{1} always low"),
@@ -196,7 +197,7 @@ mod tests {
             fault: class.map(|class| class.to_string()).unwrap_or_default(),
             seed: number,
             intact,
-            found: found.iter().map(|kind| (*kind, 900)).collect(),
+            found: found.iter().map(|kind| (*kind, 900, 900)).collect(),
         };
         let (stuck, swapped, slip) = (FaultKind::StuckBit, FaultKind::SwappedBits, FaultKind::ByteSlip);
         let mut results: Vec<CaseResult> =
