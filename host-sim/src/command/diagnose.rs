@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::report::grouped;
 use super::{Outcome, progress};
 use crate::diagnosis::{
-    Comparison, Diagnosis, FaultKind, MOST_CLOCKS, Place, Recording, Sent, compare, diagnose, fix,
+    Comparison, Diagnosis, FaultKind, Finding, MOST_CLOCKS, Place, Recording, Sent, compare, diagnose, fix,
 };
 use crate::guess::{guess_file, profile_for};
 use crate::picture;
@@ -94,7 +94,7 @@ impl Diagnose {
             );
         }
         let mut diagnosis = diagnose(&recording, profile, source.trace().info().pclk_hz);
-        if let (Some(clock), false) = (&source.trace().info().clock, guess_is_profile) {
+        if let (Some(clock), false) = (&source.trace().info().clock, asked_to_guess) {
             diagnosis.look_at_edge(clock, profile);
         }
         let frames =
@@ -257,7 +257,9 @@ fn text(diagnosis: &Diagnosis, compared: bool) -> String {
         );
         return text;
     }
-    for (number, finding) in diagnosis.findings.iter().enumerate() {
+    // What is next to impossible is for --json.
+    let shown = |(number, finding): &(usize, &Finding)| *number == 0 || finding.confidence >= 0.01;
+    for (number, finding) in diagnosis.findings.iter().enumerate().filter(shown) {
         let line = finding.line.map(|line| format!(", line {line}")).unwrap_or_default();
         let _ = writeln!(
             text,
@@ -294,7 +296,8 @@ fn text(diagnosis: &Diagnosis, compared: bool) -> String {
 fn wrapped(text: &str) -> String {
     const INDENT: usize = 13;
     let (mut lines, mut column) = (String::new(), INDENT);
-    for word in text.split(' ') {
+    // A number and its unit stay together.
+    for word in text.replace(" %", "\u{a0}%").split(' ').map(|word| word.replace('\u{a0}', " ")) {
         let length = word.chars().count();
         if column > INDENT && column + 1 + length > 100 {
             lines.push('\n');
@@ -304,7 +307,7 @@ fn wrapped(text: &str) -> String {
             lines.push(' ');
             column += 1;
         }
-        lines.push_str(word);
+        lines.push_str(&word);
         column += length;
     }
     lines
