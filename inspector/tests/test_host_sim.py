@@ -188,7 +188,7 @@ def test_save_record_and_play(play, truth, tmp_path, capsys):
     frames = list(camif_inspect.open(recording))
     assert sum(frame.whole for frame in frames) > 3
     for frame in frames:
-        assert np.array_equal(frame.rgb[frame.present], made[frame.name][frame.present])
+        assert np.array_equal(frame.rgb[frame.present], list(made.values())[frame.stream][frame.present])
 
 
 @pytest.mark.browser

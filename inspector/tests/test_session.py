@@ -219,6 +219,16 @@ def test_what_a_device_said_before_the_port_was_opened_is_heard(channel):
             assert camera.receiver.hello.name == "early"
 
 
+def test_a_device_introduces_itself_or_does_not(device):
+    with camif_inspect.open(device.url) as camera:
+        assert camera.introduced(10)
+        assert camera.receiver.hello.name == device.name
+        assert [stream.name for stream in camera.receiver.streams.values()] == ["raw", "edges"]
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        with camif_inspect.open(f"socket://127.0.0.1:{mute.getsockname()[1]}") as camera:
+            assert not camera.introduced(0.2)
+
+
 def test_who_is_there_is_asked_at_once_and_after_every_loss(device):
     with camif_inspect.open(device.url) as camera:
         wait_for(lambda: [command for command, _ in device.commands] == [1])

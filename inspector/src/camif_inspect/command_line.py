@@ -166,6 +166,9 @@ def _save(options: argparse.Namespace) -> int:
     with _session(options) as session, _progress(BarColumn(), MofNCompleteColumn()) as progress:
         print_log = _LogPrinter(session)
         task = progress.add_task("frames", total=options.frames)
+        if session.source.live:
+            # Files are named after streams.
+            session.introduced()
         lines = progress.add_task("lines of the next", total=None, visible=session.source.live)
 
         def show_lines() -> None:

@@ -220,6 +220,8 @@ class Receiver:
         elif isinstance(packet, StreamInfo):
             stream = self._stream(packet.stream)
             stream.info = packet
+            if stream.open is not None:
+                stream.open.name = packet.name
             stream.size, stream.meaning = (packet.width, packet.height), packet.meaning
         elif isinstance(packet, Palette):
             self._palette(packet)

@@ -296,6 +296,20 @@ class Session:
             stopped.set()
             stop()
 
+    def introduced(self, seconds: float = 1.0) -> bool:
+        """Wait until the device has said who it is and what its streams are; False if it does not in that time."""
+        until = time.monotonic() + seconds
+        while True:
+            with self.lock:
+                hello, streams = self.receiver.hello, self.receiver.streams
+                if hello is not None and all(
+                    number in streams and streams[number].info is not None for number in range(hello.streams)
+                ):
+                    return True
+            if time.monotonic() >= until or self.ended.is_set():
+                return False
+            time.sleep(0.01)
+
     def check(self) -> None:
         """Raise what went wrong in the listening thread, if anything did."""
         if self._failure is not None:
