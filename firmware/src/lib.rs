@@ -12,6 +12,7 @@
 //! | [`pipeline`] | the device's own vision: lines in, lines out, in memory known beforehand |
 //! | [`sensor`] | sensor bring-up: identify, reset, mode tables as data |
 //! | [`link`] | frames, log and commands over a serial line |
+//! | [`station`] | the device at the end of the link: frames out, commands carried out |
 //!
 //! No heap, no clock, no chip's name: boards and hosts bring those.
 #![cfg_attr(not(test), no_std)]
@@ -24,3 +25,4 @@ pub mod driver;
 pub mod pipeline;
 pub mod sensor;
 pub mod link;
+pub mod station;

@@ -10,6 +10,7 @@
 //! | `size` | flash and RAM of an image |
 //! | `silicon` | checks the images for silicon as files, and flashes them |
 //! | `suite` | all images, one after the other |
+//! | `stream` | a device in QEMU that streams frames, to be looked at |
 //! | `audit` | panics, stack and `unsafe`: nothing hidden |
 //! | `board_emu` | images for STM32 on emulated boards |
 
@@ -21,6 +22,7 @@ mod snapshot;
 mod size;
 mod silicon;
 mod suite;
+mod stream;
 mod audit;
 mod board_emu;
 
@@ -51,6 +53,8 @@ enum Command {
         #[arg(long)]
         bless: bool,
     },
+    /// Run a camera in QEMU on a TCP port or a pseudo-terminal, for the inspector
+    Stream(stream::Options),
     /// Audit the images: who calls the panic handler, how deep the stack goes; and count `unsafe` in the sources
     Audit(audit::Options),
     /// Flash a board's image and show its log (needs probe-rs)
@@ -82,6 +86,7 @@ fn main() -> ExitCode {
         Command::Setup(options) => setup::run(&options),
         Command::BuildBoards { packages } => boards::build(&packages).map(|_| true),
         Command::CheckBoards { bless } => silicon::check(bless),
+        Command::Stream(options) => stream::run(&options),
         Command::Audit(options) => audit::run(&options),
         Command::Flash { package } => silicon::flash(&package),
         Command::Qemu(options) => suite::run(&options),

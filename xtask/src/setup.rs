@@ -48,11 +48,13 @@ fn install() -> Result<()> {
         if in_path("apt-get").is_none() {
             bail!("no apt-get here: install {} by other means", packages.join(" "));
         }
+        let by_hand = || format!("as root, this would do: apt-get install {}", packages.join(" "));
         if !std::mem::replace(&mut updated, true) {
-            call(Command::new("apt-get").args(["update", "--quiet"]))?;
+            call(Command::new("apt-get").args(["update", "--quiet"])).with_context(by_hand)?;
         }
-        let quiet = ["install", "--yes", "--quiet", "--no-install-recommends"];
-        call(Command::new("apt-get").args(quiet).args(&packages).env("DEBIAN_FRONTEND", "noninteractive"))?;
+        let mut install = Command::new("apt-get");
+        install.args(["install", "--yes", "--quiet", "--no-install-recommends"]).args(&packages);
+        call(install.env("DEBIAN_FRONTEND", "noninteractive")).with_context(by_hand)?;
         if missing() == packages {
             bail!("apt-get installed {}, and still they are not found", packages.join(" "));
         }

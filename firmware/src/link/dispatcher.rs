@@ -230,7 +230,9 @@ impl fmt::Write for Text<'_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         let room = self.room.get_mut(self.at..).unwrap_or_default();
         let part = text.get(..text.floor_char_boundary(room.len())).unwrap_or_default();
-        room.get_mut(..part.len()).unwrap_or_default().copy_from_slice(part.as_bytes());
+        for (place, &byte) in room.iter_mut().zip(part.as_bytes()) {
+            *place = byte;
+        }
         self.at += part.len();
         Ok(())
     }

@@ -311,7 +311,12 @@ impl<R: Read, B: BorrowMut<ChunkBuffer>> Reader<R, B> {
         (self.at, self.end) = (0, 0);
     }
 
-    /// The reader and what it was made from.
+    /// What it was made of.
+    pub fn into_parts(self) -> (R, B) {
+        (self.inner, self.buffer)
+    }
+
+    /// What it reads from.
     pub fn into_inner(self) -> R {
         self.inner
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use exercise::replay::scenario::{SMALL_SIZE, Scenario};
+use exercise::replay::scenario::Scenario;
 use firmware::trace::{ChunkBuffer, Header, StretchSink, Writer};
 use host_sim::fault::{FaultSpec, Injector};
 use host_sim::profile::Profile;
@@ -15,12 +15,10 @@ use host_sim::sensor::Sensor;
 /// # Errors
 /// If there is no such profile.
 pub fn profile(scenario: &Scenario) -> Result<Profile> {
-    if scenario.profile != "small-gated" {
-        return Ok(Profile::find(scenario.profile)?);
-    }
+    let Some(size) = scenario.gated_size() else { return Ok(Profile::find(scenario.profile)?) };
     let mut profile = Profile::find("vga-rgb888-gated")?;
     profile.name = scenario.profile.to_owned();
-    (profile.frame.width, profile.frame.height) = SMALL_SIZE;
+    (profile.frame.width, profile.frame.height) = size;
     profile.check()?;
     Ok(profile)
 }

@@ -7,6 +7,8 @@
 //! | [`file`](mod@file) | the host's files, by semihosting |
 //! | [`instructions`] | counts what code takes |
 //! | [`rig`] | the camera: the block's model, a timer, a real interrupt |
+//! | [`uart`] | a serial line |
+//! | [`uptime`] | time since the start |
 //! | [`scene`] | plays scenarios on the rig |
 //! | [`tell`](mod@tell) | says what came of them |
 #![no_std]
@@ -17,4 +19,6 @@ pub mod file;
 pub mod instructions;
 pub mod rig;
 pub mod scene;
+pub mod uart;
+pub mod uptime;
 pub mod tell;

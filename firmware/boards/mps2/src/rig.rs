@@ -25,14 +25,16 @@ use crate::file::Input;
 
 /// Interrupts of this board that are in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Line {
+pub(crate) enum Line {
     /// CMSDK timer 0.
     Timer0 = 8,
+    /// CMSDK timer 1: the time.
+    Timer1 = 9,
     /// No device of the board: the block's, which the model pends.
     Camif = 30,
 }
 
-// SAFETY: both are numbers of interrupts that the NVIC of these boards has (it has 32), and they don't change.
+// SAFETY: all are numbers of interrupts that the NVIC of these boards has (it has 32), and they don't change.
 unsafe impl InterruptNumber for Line {
     fn number(self) -> u16 {
         self as u16
@@ -89,20 +91,24 @@ pub fn record() -> Record {
     critical_section::with(|section| *hold(&RECORD, section))
 }
 
-/// Plays `trace` a stretch a tick, with `handler` for the block's interrupt, while `body` runs.
-pub fn play<R>(trace: Trace, handler: &dyn Handler, body: impl FnOnce() -> R) -> R {
+/// Plays `trace` a stretch a tick, with `handler` for the block's interrupt, while `body` runs. The player comes back.
+pub fn play<R>(trace: Trace, handler: &dyn Handler, body: impl FnOnce() -> R) -> (R, Option<Trace>) {
     // SAFETY: the reference does not outlive this call: it is taken out of HANDLER below, before `handler` can go, and
     // nobody copies it out of there but the interrupt, which has returned by then.
     let handler: &'static dyn Handler = unsafe { core::mem::transmute(handler) };
     critical_section::with(|section| {
         *hold(&PLAYER, section) = Some(trace);
+        TICKS.borrow(section).set(0);
         HANDLER.borrow(section).set(Some(handler));
     });
     start();
     let result = body();
     stop();
-    critical_section::with(|section| HANDLER.borrow(section).set(None));
-    result
+    let player = critical_section::with(|section| {
+        HANDLER.borrow(section).set(None);
+        hold(&PLAYER, section).take()
+    });
+    (result, player)
 }
 
 fn start() {
@@ -127,6 +133,8 @@ pub fn prioritize(nvic: &mut NVIC) {
     unsafe { nvic.set_priority(Line::Timer0, 0xC0) };
     // SAFETY: as above.
     unsafe { nvic.set_priority(Line::Camif, 0x40) };
+    // SAFETY: as above; the same as the timer's, so that neither comes through the other.
+    unsafe { nvic.set_priority(Line::Timer1, 0xC0) };
 }
 
 /// Sleeps until the next tick, and returns its number; [`END`] after the last.
@@ -154,6 +162,8 @@ pub(crate) fn dispatch(number: i16) -> bool {
         // SAFETY: as above; acknowledges its interrupt.
         unsafe { TIMER_CLEAR.write_volatile(1) };
         tick();
+    } else if number == Line::Timer1 as i16 {
+        crate::uptime::on_interrupt();
     } else if number == Line::Camif as i16 {
         let handler = critical_section::with(|section| HANDLER.borrow(section).get());
         if let Some(handler) = handler {
@@ -194,16 +204,14 @@ fn tick() {
     critical_section::with(|section| {
         let ticks = TICKS.borrow(section);
         match tick {
-            Tick::Played => {
-                ticks.set(ticks.get() + 1);
-                *hold(&PLAYER, section) = Some(player);
-            }
+            Tick::Played => ticks.set(ticks.get() + 1),
             Tick::Ended => ticks.set(END),
             Tick::Broken => {
                 defmt::error!("the trace is damaged");
                 exit::failure()
             }
         }
+        *hold(&PLAYER, section) = Some(player);
     });
     // Whoever waits for an event has one.
     cortex_m::asm::sev();

@@ -30,8 +30,11 @@ impl<const N: usize> Handler for LineCamera<'static, Recording, N> {
     }
 }
 
-/// What a player reads into, lent for a scenario.
-fn player(scenario: &Scenario, buffer: &'static mut ChunkBuffer) -> Player<Input, &'static mut ChunkBuffer> {
+/// Plays a scenario's trace, read into `buffer`.
+pub fn player(
+    scenario: &Scenario,
+    buffer: &'static mut ChunkBuffer,
+) -> Player<Input, &'static mut ChunkBuffer> {
     let mut name = [0; 40];
     let (text, suffix) = (scenario.name.as_bytes(), b".camt\0");
     for (to, from) in name.iter_mut().zip(text.iter().chain(suffix)) {
@@ -64,7 +67,7 @@ pub fn frames(scenario: &Scenario, buffer: &'static mut ChunkBuffer, memory: Fra
         now
     };
     let tell = &mut |told| tell::tell(scenario, &told);
-    rig::play(player(scenario, buffer), &camera, || consumer::frames(&camera, settings, idle, tell));
+    let _ = rig::play(player(scenario, buffer), &camera, || consumer::frames(&camera, settings, idle, tell));
     tell::accesses(scenario);
     camera.into_parts().1
 }
@@ -89,7 +92,7 @@ pub fn lines(
     };
     let tell = &mut |told| tell::tell(scenario, &told);
     let body = || consumer::lines(&camera, scenario.patience, &mut pipeline, idle, tell);
-    rig::play(player(scenario, buffer), &camera, body);
+    let _ = rig::play(player(scenario, buffer), &camera, body);
     tell::accesses(scenario);
 }
 

@@ -41,6 +41,11 @@ impl<R: Read, B: BorrowMut<ChunkBuffer>> Player<R, B> {
         Reader::new(source, buffer).ok().map(|reader| Self { reader, silent: 0 })
     }
 
+    /// The buffer, for another player.
+    pub fn into_buffer(self) -> B {
+        self.reader.into_parts().1
+    }
+
     /// Plays the next stretch. The handler runs at the clock at which the line rises.
     pub fn tick(&mut self, block: &mut impl Clocked) -> Tick {
         loop {

@@ -43,12 +43,19 @@ const SMALL: &str = "small-gated";
 /// Its size.
 pub const SMALL_SIZE: (u32, u32) = (64, 48);
 
+/// The profile of what is looked at: no larger than a serial line carries.
+const QVGA: &str = "qvga-gated";
+/// Its size.
+pub const STREAM_SIZE: (u32, u32) = (320, 240);
+
 /// VGA line by line into Sobel.
 pub const SOBEL: Scenario = Scenario { name: "sobel", profile: "vga-rgb888", frames: 2, ..CLEAN };
 /// VGA line by line into Canny.
 pub const CANNY: Scenario = Scenario { name: "canny", profile: "vga-rgb888", frames: 2, ..CLEAN };
 /// Whole frames.
 pub const FRAMES: Scenario = Scenario { name: "frames", frames: 6, ..CLEAN };
+/// Whole frames for a serial line, again and again.
+pub const STREAM: Scenario = Scenario { name: "stream", profile: QVGA, frames: 8, ..CLEAN };
 
 /// One fault each, and what the driver makes of it.
 pub static FAULTS: [Scenario; 12] = [
@@ -87,12 +94,23 @@ pub static FAULTS: [Scenario; 12] = [
 ];
 
 impl Scenario {
+    /// The size of a profile that is VGA's with gated lines, but smaller; `None` for one of the host's own.
+    #[must_use]
+    pub fn gated_size(&self) -> Option<(u32, u32)> {
+        match self.profile {
+            SMALL => Some(SMALL_SIZE),
+            QVGA => Some(STREAM_SIZE),
+            _ => None,
+        }
+    }
+
     /// What the driver is told. The host checks that the profile says the same.
     #[must_use]
     pub fn config(&self) -> Config {
-        let (sync, clocks, lines) = if self.profile == SMALL {
+        let gated = self.gated_size();
+        let (sync, clocks, lines) = if let Some((width, height)) = gated {
             let sync = SyncMode::Gated { hsync_blank_high: true, vsync_blank_high: true };
-            (sync, SMALL_SIZE.0 * 3, SMALL_SIZE.1)
+            (sync, width * 3, height)
         } else {
             (SyncMode::Marker { hsync_active_high: true, vsync_active_high: true }, 640 * 3, 480)
         };
