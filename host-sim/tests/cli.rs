@@ -40,6 +40,7 @@ fn demo_takes_a_scene_to_verified_pictures() {
         "byte by byte",
         "out/frame-0000.png",
         "out/annotated.png",
+        "out/report.html",
     ] {
         assert!(text.contains(expected), "{expected:?} is not in:\n{text}");
     }
