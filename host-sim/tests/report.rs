@@ -152,6 +152,12 @@ fn a_frame_received_is_compared_with_the_trace() {
     assert_eq!((&place["frame"], &place["row"]), (&Value::from(1), &Value::from(100)));
     let start = report["frames"][1]["row_clocks"][100].as_u64().unwrap();
     assert_eq!(place["clock"].as_u64(), Some(start + 320), "half a line on");
+    let counted = report["diagnosis"]["findings"][0]["at_pclk"].as_u64().unwrap();
+    assert!(
+        counted.abs_diff(start + 320) < 32,
+        "counted back from the frame's end: {counted}, not {}",
+        start + 320
+    );
     let names: Vec<&str> =
         report["rivals"].as_array().unwrap().iter().map(|rival| rival["by"].as_str().unwrap()).collect();
     assert_eq!(names.iter().filter(|by| **by == "received").count(), 2, "{names:?}");

@@ -125,10 +125,13 @@ fn lost(received: &[u8], sent: &Sent, all: &[Sent], profile: &Profile) -> Option
     let kind = FaultKind::ClockTooFast;
     let line = start / (profile.bytes_per_line() as usize).max(1);
     let at = At {
-        // As late as it can be: without blanking between it and the frame's end.
-        clock: sent
-            .end
-            .saturating_sub((sent.bytes.len() - start) as u64 / u64::from(profile.bus.bytes_per_sample())),
+        // Counted back from the frame's end, with the blanking that the profile promises.
+        clock: sent.end.saturating_sub(
+            (sent.bytes.len() - start) as u64 / u64::from(profile.bus.bytes_per_sample())
+                + u64::from(profile.timing.hblank)
+                    * u64::from(profile.frame.height).saturating_sub(line as u64 + 1)
+                + u64::from(profile.timing.vfront),
+        ),
         line: Some(line as u32),
     };
     let remedy = || super::remedy::of(kind, profile);
