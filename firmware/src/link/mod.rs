@@ -63,3 +63,5 @@ pub use stuffing::overhead;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_async;
