@@ -1,4 +1,4 @@
-//! Every algorithm of `algos-nostd` once, on one picture, in lent memory.
+//! Every algorithm of `algos-nostd`, and the encodings of the serial link, once, on one picture, in lent memory.
 //!
 //! The host and the images for Cortex-M run this one list, so their results can be compared by checksums, and what
 //! each costs can be counted around the same work.
@@ -9,7 +9,7 @@
 //! | [`space`] | the picture and all memory that is lent |
 //! | `report` | what an exercise tells: units of work and a checksum |
 //! | `over` | runs a filter over the picture |
-//! | `pixels`, `color`, `filters`, `edges`, `quantize`, `draw`, `clip`, `geometry` | the exercises, by group |
+//! | `pixels`, `color`, `filters`, `edges`, `quantize`, `draw`, `clip`, `geometry`, `link` | the exercises, by group |
 #![no_std]
 
 pub mod replay;
@@ -24,12 +24,13 @@ mod quantize;
 mod draw;
 mod clip;
 mod geometry;
+mod link;
 
 pub use report::{Clock, Done, Exercise, Unit};
 pub use space::Workspace;
 
 /// All exercises, by group.
-pub static GROUPS: [&[Exercise]; 8] = [
+pub static GROUPS: [&[Exercise]; 9] = [
     pixels::EXERCISES,
     color::EXERCISES,
     filters::EXERCISES,
@@ -38,6 +39,7 @@ pub static GROUPS: [&[Exercise]; 8] = [
     draw::EXERCISES,
     clip::EXERCISES,
     geometry::EXERCISES,
+    link::EXERCISES,
 ];
 
 /// All exercises.

@@ -20,6 +20,8 @@ pub enum Unit {
     Point,
     /// A colour of the histogram.
     Color,
+    /// A byte of pixels that is sent.
+    Byte,
     /// A call.
     Call,
 }
@@ -34,6 +36,7 @@ impl Unit {
             Self::Segment => "segment",
             Self::Point => "point",
             Self::Color => "colour",
+            Self::Byte => "byte",
             Self::Call => "call",
         }
     }
