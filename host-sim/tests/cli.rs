@@ -373,3 +373,19 @@ fn a_trace_without_a_profile_is_guessed_and_replays_to_the_same_bytes() {
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     assert!(stderr(&output).contains("guessed yuyv 320×240"), "{}", stderr(&output));
 }
+
+/// `host-sim process --op help | head -n 1`, with a reader that leaves at once.
+#[cfg(unix)]
+#[test]
+fn a_reader_that_leaves_is_no_panic() {
+    use std::process::Stdio;
+    let mut child = Command::new(env!("CARGO_BIN_EXE_host-sim"))
+        .args(["process", "--op", "help"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), stderr(&output).as_str()), (None, ""));
+}
