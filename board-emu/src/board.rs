@@ -1,5 +1,6 @@
 //! The boards: a part, its crystal and rail, the camera on its pins, and whatever hangs on its serial port and I2C.
 
+use std::num::NonZeroU64;
 use std::sync::LazyLock;
 
 use clap::ValueEnum;
@@ -87,13 +88,20 @@ enum Boxed {
 }
 
 impl CameraBoard {
-    /// The board, out of reset, with `camera` on its pins and `bus` between the camera interface and memory.
+    /// The board, out of reset, with `camera` on its pins and `bus` between the camera interface and memory. The core
+    /// retires `mips` million instructions a second if it is said.
     ///
     /// # Errors
     /// What the emulator has against its own description of the part.
-    pub fn new(kind: Kind, camera: Camera, bus: Bus, wiring: Wiring) -> Result<Self, soc::Error> {
+    pub fn new(
+        kind: Kind,
+        camera: Camera,
+        bus: Bus,
+        wiring: Wiring,
+        mips: Option<u32>,
+    ) -> Result<Self, soc::Error> {
         let Wiring { serial, sensor } = wiring;
-        let (part, core) = match kind {
+        let (part, mut core) = match kind {
             Kind::Stm32h743 => {
                 let mut part = Stm32h743::new()?;
                 part.rcc.attach_crystals(OSCILLATOR.0, Crystal::NONE.0);
@@ -122,6 +130,9 @@ impl CameraBoard {
                 (Boxed::F4(Box::new(part)), core)
             }
         };
+        if let Some(rate) = mips.and_then(|mips| NonZeroU64::new(u64::from(mips) * 1_000_000)) {
+            core.instructions_per_second = rate;
+        }
         Ok(Self { kind, part, core })
     }
 

@@ -77,6 +77,13 @@ impl Camera {
         self.footage.ahead()
     }
 
+    /// Clocks from the clock that is `clocks` ahead to the next change of the sync levels, the first clock with the new
+    /// ones among them; `None` if nothing is there yet.
+    #[must_use]
+    pub fn until_edge(&self, clocks: u64) -> Option<u64> {
+        self.footage.until_edge(clocks)
+    }
+
     /// So many clocks have been played.
     pub fn advance(&mut self, clocks: usize) {
         self.footage.advance(clocks);

@@ -47,6 +47,30 @@ impl Footage {
         Some((*sync, held.as_samples().skip(self.done)))
     }
 
+    /// Clocks from the clock that is `clocks` ahead to the next change of the sync levels, the first clock with the new
+    /// ones among them; `None` after the last.
+    #[must_use]
+    pub fn until_edge(&self, clocks: u64) -> Option<u64> {
+        let mut at = self.done as u64 + clocks;
+        let mut stretches =
+            self.stretches[self.at..].iter().filter(|(_, held)| !held.as_samples().is_empty());
+        let length = |held: &Held| held.as_samples().len() as u64;
+        let (sync, held) = stretches.by_ref().find(|(_, held)| {
+            let here = length(held);
+            let is_here = at < here;
+            at -= if is_here { 0 } else { here };
+            is_here
+        })?;
+        let mut until = length(held) - at;
+        for (next, held) in stretches {
+            if next != sync {
+                return Some(until + 1);
+            }
+            until += length(held);
+        }
+        Some(until)
+    }
+
     /// So many clocks have been played; at most what [`ahead`](Self::ahead) showed.
     pub fn advance(&mut self, clocks: usize) {
         self.done += clocks;
@@ -88,6 +112,8 @@ mod tests {
         footage.stretch(Sync::default(), Samples::Bytes(&[])).unwrap();
         footage.stretch(Sync::default(), Samples::Bytes(&[1, 2, 3, 4, 5])).unwrap();
         assert_eq!(footage.clocks(), 8);
+        let edges = [0, 2, 3, 7, 8].map(|clocks| footage.until_edge(clocks));
+        assert_eq!(edges, [Some(4), Some(2), Some(5), Some(1), None]);
         let mut seen = Vec::new();
         while let Some((sync, samples)) = footage.ahead() {
             let taken = samples.take(2);

@@ -15,7 +15,9 @@
 //! | [`i2c`] | a virtual sensor on the bus |
 //! | [`serial`] | the far end of the serial port: a file, a socket, memory |
 //! | [`run`](mod@run) | a run from reset to its end |
-//! | [`report`] | what came of it, and what was expected to be missing |
+//! | [`cpu`] | what the core is doing, and where |
+//! | [`gaps`] | what of the part was missing, and what of that was expected |
+//! | [`report`] | what came of a run |
 //! | [`symbols`] | names for addresses |
 #![forbid(unsafe_code)]
 
@@ -27,5 +29,7 @@ pub mod board;
 pub mod i2c;
 pub mod serial;
 pub mod run;
+pub mod cpu;
+pub mod gaps;
 pub mod report;
 pub mod symbols;

@@ -9,8 +9,8 @@ use anyhow::{Context, Result, anyhow, bail};
 use board_emu::board::Kind;
 use board_emu::camera::{Camera, Faults};
 use board_emu::footage::Footage;
+use board_emu::gaps::Allowed;
 use board_emu::i2c::SensorOnI2c;
-use board_emu::report::Allowed;
 use board_emu::run::Plan;
 use board_emu::serial::FarEnd;
 use clap::{Args, Parser, Subcommand};
@@ -23,9 +23,14 @@ use host_sim::scene::Scene;
 use host_sim::sensor::{Mounting, VirtualSensor};
 use host_sim::trace::SignalMap;
 
+/// What the exit statuses say.
+const STATUSES: &str = "Exit status: 0 the run ended as it should, captured something and met nothing unexpected; \
+    1 the image hung, locked up, ended with a failure, never switched the camera interface on, captured nothing, \
+    or met a gap that no allow-list expects; 2 bad usage or input";
+
 /// Runs the image that goes to the flash on an emulated STM32 with a camera in front of it.
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(version, after_help = STATUSES)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -38,6 +43,7 @@ enum Command {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = STATUSES)]
 struct Run {
     /// The ELF file
     image: PathBuf,
@@ -71,12 +77,16 @@ struct Run {
     /// What is not said of a fault is drawn by this seed
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Where the serial port goes: `file:PATH`, or `tcp:ADDRESS:PORT`, which waits for somebody to connect
+    /// Where the serial port goes: `file:PATH`; `tcp:ADDRESS:PORT`, which waits for somebody to connect; `pty`, a
+    /// pseudo-terminal, which waits for a reader once its buffer is full
     #[arg(long, value_name = "TO")]
     uart: Option<String>,
     /// Virtual milliseconds that the run may take
     #[arg(long, value_name = "MS", default_value_t = 10_000)]
     deadline: u64,
+    /// Millions of instructions that the core retires in a second; fewer make the run faster where the image polls
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=2_000))]
+    mips: Option<u32>,
     /// A list of gaps of the emulated part that are expected, besides the board's own
     #[arg(long, value_name = "FILE.toml")]
     allow: Option<PathBuf>,
@@ -119,16 +129,15 @@ impl Run {
         let (camera, sensor) = self.camera()?;
         let bus = self.bus_latency.as_deref().map(parse_bus).transpose().context("--bus-latency")?;
         let plan = Plan {
-            board: self.board,
-            image: self.image.clone(),
-            camera,
             bus: bus.unwrap_or(Bus::IDEAL),
             sensor,
             serial: self.serial()?,
             deadline: self.deadline.saturating_mul(1_000_000),
+            mips: self.mips,
             allowed,
             gdb: self.gdb,
             rtt: self.rtt,
+            ..Plan::new(self.board, self.image.clone(), camera)
         };
         let report = plan.run(None)?;
         if self.json {
@@ -180,7 +189,12 @@ impl Run {
                 eprintln!("serial port on {}; waiting for somebody to connect", listener.local_addr()?);
                 FarEnd::accept(&listener).with_context(|| to.clone())
             }
-            _ => bail!("--uart {to}: give file:PATH or tcp:ADDRESS:PORT"),
+            None if to == "pty" => {
+                let (end, name) = FarEnd::terminal().context("a pseudo-terminal")?;
+                eprintln!("serial port on {name}");
+                Ok(end)
+            }
+            _ => bail!("--uart {to}: give file:PATH, tcp:ADDRESS:PORT or pty"),
         }
     }
 }

@@ -1,15 +1,22 @@
 //! The far end of the board's serial port.
 
 use std::collections::VecDeque;
+use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use rigless::chip::Timeline;
 use rigless::chip::uart::Peer;
 use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{Mode, OFlags};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 /// Bytes that the board has sent, shared with whoever wants to read them after the run.
 #[derive(Clone, Debug, Default)]
@@ -47,14 +54,89 @@ pub struct FarEnd {
     host: Option<Host>,
 }
 
+/// Who is on the other side, outside.
 #[derive(Debug)]
 enum Host {
-    File(std::fs::File),
-    Socket { stream: TcpStream, looked: VirtualNanos },
+    File(File),
+    Line { line: Line, looked: VirtualNanos },
 }
 
-/// How often, in virtual time, the socket is looked at: a look is a system call.
+/// A line that goes both ways.
+#[derive(Debug)]
+enum Line {
+    Socket(TcpStream),
+    Terminal(Terminal),
+}
+
+/// The master of a pseudo-terminal. The slave is kept open, so that what is sent waits for a reader who comes late.
+#[derive(Debug)]
+struct Terminal {
+    master: File,
+    slave: OwnedFd,
+}
+
+/// How often, in virtual time, a line is looked at: a look is a system call.
 const LOOK: u64 = 100_000;
+/// How long, in real time, the end of a run waits for the other side to take what was sent.
+const GRACE: Duration = Duration::from_secs(2);
+
+impl Line {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if !is_readable(self, Duration::ZERO) {
+            return Err(ErrorKind::WouldBlock.into());
+        }
+        match self {
+            Self::Socket(stream) => stream.read(buffer),
+            Self::Terminal(terminal) => terminal.master.read(buffer),
+        }
+    }
+
+    /// Waits for a slow host, so that nothing is lost.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Socket(stream) => stream.write_all(bytes),
+            Self::Terminal(terminal) => terminal.master.write_all(bytes),
+        }
+    }
+}
+
+impl AsFd for Line {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        match self {
+            Self::Socket(stream) => stream.as_fd(),
+            Self::Terminal(terminal) => terminal.master.as_fd(),
+        }
+    }
+}
+
+/// Whether something is there to be read, at the latest after `longest`.
+fn is_readable(end: &impl AsFd, longest: Duration) -> bool {
+    let timeout = Timespec { tv_sec: longest.as_secs() as i64, tv_nsec: longest.subsec_nanos().into() };
+    poll(&mut [PollFd::new(end, PollFlags::IN)], Some(&timeout)).is_ok_and(|ready| ready > 0)
+}
+
+/// A line that ends leaves its other side time to take what was sent: closing it drops that.
+impl Drop for Line {
+    fn drop(&mut self) {
+        let until = Instant::now() + GRACE;
+        match self {
+            Self::Socket(stream) => {
+                let mut rest = [0; 256];
+                let _ = stream.shutdown(Shutdown::Write);
+                while let Some(left) = until.checked_duration_since(Instant::now()) {
+                    if !is_readable(stream, left) || !matches!(stream.read(&mut rest), Ok(1..)) {
+                        break;
+                    }
+                }
+            }
+            Self::Terminal(terminal) => {
+                while is_readable(&terminal.slave, Duration::ZERO) && Instant::now() < until {
+                    std::thread::sleep(Duration::from_millis(10));
+                }
+            }
+        }
+    }
+}
 
 impl FarEnd {
     /// Nobody but memory listens.
@@ -68,7 +150,7 @@ impl FarEnd {
     /// # Errors
     /// If the file can't be made.
     pub fn file(path: &Path) -> io::Result<Self> {
-        Ok(Self { host: Some(Host::File(std::fs::File::create(path)?)), ..Self::default() })
+        Ok(Self { host: Some(Host::File(File::create(path)?)), ..Self::default() })
     }
 
     /// Waits for a host to connect, then passes bytes both ways.
@@ -78,7 +160,30 @@ impl FarEnd {
     pub fn accept(listener: &TcpListener) -> io::Result<Self> {
         let (stream, _) = listener.accept()?;
         stream.set_nodelay(true)?;
-        Ok(Self { host: Some(Host::Socket { stream, looked: VirtualNanos(0) }), ..Self::default() })
+        Ok(Self::line(Line::Socket(stream)))
+    }
+
+    /// Opens a pseudo-terminal, and passes bytes both ways; also the name by which a host opens it. A run waits for a
+    /// host once the terminal's buffer is full.
+    ///
+    /// # Errors
+    /// If the system has none to give.
+    pub fn terminal() -> io::Result<(Self, String)> {
+        let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
+        grantpt(&master)?;
+        unlockpt(&master)?;
+        let name = ptsname(&master, Vec::new())?.to_string_lossy().into_owned();
+        let slave = rustix::fs::open(&name, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
+        // Bytes pass as they are, and none comes back as an echo.
+        let mut settings = tcgetattr(&slave)?;
+        settings.make_raw();
+        tcsetattr(&slave, OptionalActions::Now, &settings)?;
+        let terminal = Terminal { master: File::from(master), slave };
+        Ok((Self::line(Line::Terminal(terminal)), name))
+    }
+
+    fn line(line: Line) -> Self {
+        Self { host: Some(Host::Line { line, looked: VirtualNanos(0) }), ..Self::default() }
     }
 
     /// Sends `bytes` to the board as soon as its receiver takes them.
@@ -95,20 +200,17 @@ impl FarEnd {
     }
 
     fn look(&mut self, now: VirtualNanos) {
-        let Some(Host::Socket { stream, looked }) = &mut self.host else { return };
+        let Some(Host::Line { line, looked }) = &mut self.host else { return };
         if now.0 < looked.0.saturating_add(LOOK) {
             return;
         }
         *looked = now;
         let mut buffer = [0; 256];
-        let read = stream.set_nonblocking(true).and_then(|()| stream.read(&mut buffer));
-        // Sending waits for a slow host, so that nothing is lost.
-        let blocking = stream.set_nonblocking(false);
-        match (read, blocking) {
-            (Ok(0), _) | (_, Err(_)) => self.host = None,
-            (Ok(count), Ok(())) => self.to_send.extend(&buffer[..count]),
-            (Err(error), Ok(())) if error.kind() == ErrorKind::WouldBlock => {}
-            (Err(_), Ok(())) => self.host = None,
+        match line.read(&mut buffer) {
+            Ok(0) => self.host = None,
+            Ok(count) => self.to_send.extend(&buffer[..count]),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            Err(_) => self.host = None,
         }
     }
 }
@@ -121,7 +223,7 @@ impl Peer for FarEnd {
         self.received.push(byte);
         let written = match &mut self.host {
             Some(Host::File(file)) => file.write_all(&[byte]),
-            Some(Host::Socket { stream, .. }) => stream.write_all(&[byte]),
+            Some(Host::Line { line, .. }) => line.write(&[byte]),
             None => Ok(()),
         };
         if written.is_err() {
@@ -133,5 +235,48 @@ impl Peer for FarEnd {
     fn transmit(&mut self, now: VirtualNanos) -> Option<u16> {
         self.look(now);
         self.to_send.pop_front().map(u16::from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_terminal_passes_every_byte_as_it_is_both_ways() {
+        let (mut end, name) = FarEnd::terminal().unwrap();
+        let mut host = File::options().read(true).write(true).open(name).unwrap();
+        // Among them those that a terminal would act on: end of file, interrupt, carriage return, XOFF.
+        let bytes: Vec<u8> = (0..=255).collect();
+        let Some(Host::Line { line, .. }) = &mut end.host else { panic!("a line") };
+        line.write(&bytes).unwrap();
+        let mut read = [0; 256];
+        host.read_exact(&mut read).unwrap();
+        assert_eq!(read[..], bytes);
+        host.write_all(&bytes).unwrap();
+        let mut now = 0;
+        while end.to_send.len() < 256 {
+            now += LOOK;
+            end.look(VirtualNanos(now));
+        }
+        assert_eq!(end.to_send, bytes);
+    }
+
+    #[test]
+    fn what_was_sent_last_arrives_although_the_run_is_over() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut host = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let mut end = FarEnd::accept(&listener).unwrap();
+        // What the board never took must not make the end abrupt.
+        host.write_all(b"command").unwrap();
+        let Some(Host::Line { line, .. }) = &mut end.host else { panic!("a line") };
+        line.write(b"last words").unwrap();
+        let reader = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(50));
+            let mut all = Vec::new();
+            host.read_to_end(&mut all).map(|_| all)
+        });
+        drop(end);
+        assert_eq!(reader.join().unwrap().unwrap(), b"last words");
     }
 }

@@ -17,7 +17,7 @@ impl Symbols {
             .filter_map(|symbol| {
                 let name = rustc_demangle::demangle(symbol.name().ok()?);
                 // Bit 0 of a function's address says Thumb.
-                Some((symbol.address() & !1, symbol.size(), format!("{name:#}")))
+                Some((symbol.address() & !1, symbol.size(), without_generics(&format!("{name:#}"))))
             })
             .collect();
         named.sort();
@@ -42,9 +42,46 @@ impl Symbols {
     }
 }
 
+/// A path without the types that its items were made for: `a::run::<T, U>` and `<a::B<T>>::run` without `T` and `U`.
+fn without_generics(name: &str) -> String {
+    let mut short = String::new();
+    let mut depth = 0_usize;
+    let mut before = ' ';
+    for character in name.chars() {
+        match character {
+            // After a name or `::` types follow; anywhere else the name of a type with its trait.
+            '<' if depth > 0 => depth += 1,
+            '<' if before == ':' || before == '_' || before.is_alphanumeric() => {
+                depth = 1;
+                if short.ends_with("::") {
+                    short.truncate(short.len() - 2);
+                }
+            }
+            '>' if depth > 0 && before != '-' => depth -= 1,
+            _ if depth == 0 => short.push(character),
+            _ => {}
+        }
+        before = character;
+    }
+    short
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_is_short_enough_to_read() {
+        let cases = [
+            ("image::run::<I2c<A, B>, Output>", "image::run"),
+            ("<frames::Frames<Port<Mmio>, 3>>::advance", "<frames::Frames>::advance"),
+            ("<a::B<fn(u8) -> u8> as c::D<E>>::f", "<a::B as c::D>::f"),
+            ("main", "main"),
+        ];
+        for (long, short) in cases {
+            assert_eq!(without_generics(long), short);
+        }
+    }
 
     #[test]
     fn an_address_belongs_to_the_function_before_it() {

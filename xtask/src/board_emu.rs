@@ -1,7 +1,8 @@
-//! Runs images for STM32 on the emulated boards of `board-emu/`, a package with a compiler and a lock file of its own.
+//! Runs images for STM32 on the emulated boards of `board-emu/`, a package with a lock file of its own.
 //!
-//! The emulator asks for a newer compiler than the project does; Debian's is new enough where the user's is not. The
-//! images that are not the project's own, in `board-emu/images/`, are built for both chips.
+//! The emulator declares a newer compiler than it needs, hence `--ignore-rust-version`. Beside the images that are flashed
+//! there are those of `board-emu/images/`, an application on another driver and its twin on ours; each is built for both
+//! chips.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -22,7 +23,7 @@ fn folder() -> PathBuf {
 /// Builds every image, then runs the emulator's tests on them.
 pub(crate) fn test() -> Result<bool> {
     let images = build_images()?;
-    let mut cargo = cargo(&["test", "--release"]);
+    let mut cargo = cargo(&["test", "--release", "--locked"]);
     cargo.env("CAMIF_IMAGES", &images);
     Ok(cargo.status().context("cannot start cargo")?.success())
 }
@@ -35,7 +36,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<bool> {
     Ok(cargo.status().context("cannot start cargo")?.success())
 }
 
-/// A cargo in the emulator's folder, with a compiler that is new enough if there is one.
+/// A cargo in the emulator's folder.
 fn cargo(words: &[&str]) -> Command {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.current_dir(folder()).args(words).arg("--ignore-rust-version").env("RUSTUP_AUTO_INSTALL", "0");

@@ -126,7 +126,21 @@ pub fn receive<T>(
     on_frame: &mut dyn FnMut(Received<'_>),
     play: impl FnOnce(&mut Receiver<'_, '_>) -> T,
 ) -> Result<(T, Summary), StartError> {
-    receive_watched(config, bus, None, on_frame, play)
+    receive_with(Part::CAMIF, config, bus, None, on_frame, play)
+}
+
+/// The same with the block as `part` has it.
+///
+/// # Errors
+/// As [`receive`].
+pub fn receive_on<T>(
+    part: Part,
+    config: &Config,
+    bus: Bus,
+    on_frame: &mut dyn FnMut(Received<'_>),
+    play: impl FnOnce(&mut Receiver<'_, '_>) -> T,
+) -> Result<(T, Summary), StartError> {
+    receive_with(part, config, bus, None, on_frame, play)
 }
 
 /// The same; FIFO and DMA are watched for the first [`WATCHED`] clocks, which takes longer.
@@ -140,7 +154,17 @@ pub fn receive_watched<T>(
     on_frame: &mut dyn FnMut(Received<'_>),
     play: impl FnOnce(&mut Receiver<'_, '_>) -> T,
 ) -> Result<(T, Summary), StartError> {
-    let part = Part::CAMIF;
+    receive_with(Part::CAMIF, config, bus, activity, on_frame, play)
+}
+
+fn receive_with<T>(
+    part: Part,
+    config: &Config,
+    bus: Bus,
+    activity: Option<&mut Activity>,
+    on_frame: &mut dyn FnMut(Received<'_>),
+    play: impl FnOnce(&mut Receiver<'_, '_>) -> T,
+) -> Result<(T, Summary), StartError> {
     let words = frame_plan(config, part.transfer_limit).unwrap_or_default().room();
     let mut memory: [Vec<u32>; BUFFERS] = std::array::from_fn(|_| vec![0; words as usize]);
     let camif = RefCell::new(Camif::new(part, bus));

@@ -5,7 +5,9 @@
 #![no_main]
 
 use embassy_executor::Spawner;
-use embassy_stm32::dcmi::{self, Dcmi, Error, HSyncDataInvalidLevel, PixelClockPolarity, VSyncDataInvalidLevel};
+use embassy_stm32::dcmi::{
+    self, Dcmi, Error, HSyncDataInvalidLevel, PixelClockPolarity, VSyncDataInvalidLevel,
+};
 use embassy_stm32::usart::{self, Uart};
 use embassy_stm32::{bind_interrupts, dma, peripherals};
 use panic_halt as _;
@@ -41,8 +43,8 @@ async fn main(_spawner: Spawner) {
     config.hsync_level = HSyncDataInvalidLevel::Low;
     config.pixclk_polarity = PixelClockPolarity::RisingEdge;
     let mut camera = Dcmi::new_8bit(
-        p.DCMI, channel, Interrupts, p.PC6, p.PC7, p.PC8, p.PC9, p.PE4, p.PD3, p.PE5, p.PE6, p.PB7, p.PA4, p.PA6,
-        config,
+        p.DCMI, channel, Interrupts, p.PC6, p.PC7, p.PC8, p.PC9, p.PE4, p.PD3, p.PE5, p.PE6, p.PB7, p.PA4,
+        p.PA6, config,
     );
     let mut frame = [0u32; WORDS];
     loop {
