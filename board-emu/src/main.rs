@@ -10,7 +10,7 @@ use board_emu::board::Kind;
 use board_emu::camera::{Camera, Faults};
 use board_emu::footage::Footage;
 use board_emu::gaps::Allowed;
-use board_emu::i2c::SensorOnI2c;
+use board_emu::i2c::{SensorOnI2c, Shared};
 use board_emu::run::Plan;
 use board_emu::serial::FarEnd;
 use clap::{Args, Parser, Subcommand};
@@ -51,19 +51,20 @@ struct Run {
     #[arg(long)]
     board: Kind,
     /// A trace that the camera's pins play, of any format that host-sim reads
-    #[arg(long, value_name = "FILE", required_unless_present = "sensor", conflicts_with = "sensor")]
+    #[arg(long, value_name = "FILE", required_unless_present = "sensor")]
     trace: Option<PathBuf>,
     /// What the trace's wires mean; without it the one that the trace carries
     #[arg(long, value_name = "NAME|FILE.toml", requires = "trace")]
     profile: Option<String>,
-    /// A virtual sensor on the pins and on I2C1, which the image has to program: ov7670, ov2640, ov5640, mt9v034
+    /// A virtual sensor on I2C1, which the image has to program: ov7670, ov2640, ov5640, mt9v034. Without a trace it drives
+    /// the pins as well, as its registers say
     #[arg(long, value_name = "NAME")]
     sensor: Option<String>,
     /// What the sensor looks at
     #[arg(long, value_name = "NAME", default_value = "demo")]
     scene: String,
     /// Frames that the sensor sends
-    #[arg(long, value_name = "N", default_value_t = 4, requires = "sensor")]
+    #[arg(long, value_name = "N", default_value_t = 4, requires = "sensor", conflicts_with = "trace")]
     frames: u64,
     /// The sensor's input clock, in hertz; its usual one if it is not said
     #[arg(long, value_name = "HZ", requires = "sensor")]
@@ -155,21 +156,13 @@ impl Run {
             .iter()
             .map(|text| text.parse::<FaultSpec>().map_err(|error| anyhow!("--fault {text}: {error}")));
         let faults = Faults { specs: specs.collect::<Result<_>>()?, seed: self.seed };
-        if let Some(name) = &self.sensor {
-            let model = MODELS.into_iter().find(|model| model.name == name).with_context(|| {
-                let names = MODELS.map(|model| model.name).join(", ");
-                format!("--sensor {name}: there are {names}")
-            })?;
-            let input_hz = self.xclk.unwrap_or(model.input_hz);
-            let mounting = Mounting { input_hz, wires: 8, monochrome: false };
-            let sensor =
-                VirtualSensor::new(model.name, mounting).context("a model without a virtual sensor")?;
-            let shared = Arc::new(Mutex::new(sensor));
+        let sensor = self.sensor.as_deref().map(|name| self.sensor(name)).transpose()?;
+        let on_i2c = sensor.clone().map(SensorOnI2c);
+        let Some(trace) = &self.trace else {
+            let Some(sensor) = sensor else { bail!("give --trace FILE or --sensor NAME") };
             let scene = Scene::named(&self.scene, self.seed)?;
-            let camera = Camera::live(shared.clone(), scene, faults, self.frames);
-            return Ok((camera, Some(SensorOnI2c(shared))));
-        }
-        let Some(trace) = &self.trace else { bail!("give --trace FILE or --sensor NAME") };
+            return Ok((Camera::live(sensor, scene, faults, self.frames), on_i2c));
+        };
         let profile = self.profile.as_deref().map(Profile::find).transpose()?;
         let source = Source::open(trace, profile.as_ref(), SignalMap::default())?;
         let mut injector = Injector::new(source.profile(), &faults.specs, faults.seed, Footage::default())?;
@@ -177,7 +170,18 @@ impl Run {
         let pclk_hz = source.trace().info().pclk_hz.unwrap_or(source.profile().timing.pclk_hz);
         let pclk_hz = pclk_hz.saturating_mul(injector.clock_factor());
         let footage = injector.finish().unwrap_or_else(|never| match never {});
-        Ok((Camera::recorded(footage, pclk_hz), None))
+        Ok((Camera::recorded(footage, pclk_hz), on_i2c))
+    }
+
+    fn sensor(&self, name: &str) -> Result<Shared> {
+        let model = MODELS.into_iter().find(|model| model.name == name).with_context(|| {
+            let names = MODELS.map(|model| model.name).join(", ");
+            format!("--sensor {name}: there are {names}")
+        })?;
+        let input_hz = self.xclk.unwrap_or(model.input_hz);
+        let mounting = Mounting { input_hz, wires: 8, monochrome: false };
+        let sensor = VirtualSensor::new(model.name, mounting).context("a model without a virtual sensor")?;
+        Ok(Arc::new(Mutex::new(sensor)))
     }
 
     fn serial(&self) -> Result<FarEnd> {

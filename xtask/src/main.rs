@@ -65,7 +65,8 @@ enum Command {
     /// Run the images in QEMU and compare with their snapshots
     Qemu(suite::Options),
     /// Run an image for STM32 on an emulated board: the arguments are those of `board-emu`, such as `run ELF --board …`;
-    /// without any, build all images and test them there
+    /// without any, build all images and test them there; `show [DIR]`: run the image for the H743 against a trace and show
+    /// its pictures in the inspector, or save the first of them
     BoardEmu {
         /// Arguments of `board-emu`
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
@@ -91,6 +92,9 @@ fn main() -> ExitCode {
         Command::Flash { package } => silicon::flash(&package),
         Command::Qemu(options) => suite::run(&options),
         Command::BoardEmu { arguments } if arguments.is_empty() => board_emu::test(),
+        Command::BoardEmu { arguments } if arguments[0] == "show" => {
+            board_emu::show(arguments.get(1).map(String::as_str))
+        }
         Command::BoardEmu { arguments } => board_emu::run(&arguments),
         Command::Run { image, board } => suite::run_one(&image, board),
     };
