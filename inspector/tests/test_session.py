@@ -17,6 +17,9 @@ import device as devices
 import pictures
 from camif_inspect import CommandError, InspectError, PortError, Verdict
 from camif_inspect.ask import ask
+from camif_inspect.port import Chunk
+from camif_inspect.recording import FROM_DEVICE, RecordingReader, RecordingWriter
+from camif_inspect.session import Session
 
 
 def wait_for(condition, seconds=10):
@@ -236,3 +239,44 @@ def test_who_is_there_is_asked_at_once_and_after_every_loss(device):
         device.hang_up()
         wait_for(lambda: [command for command, _ in device.commands] == [1, 1])
     assert sum("protocol version 1" in text for _, _, text in camera.log) == 1
+
+
+class AtOnce:
+    """A port whose device speaks the moment it is opened, and hears nothing."""
+
+    name, live = "at once", True
+
+    def __init__(self, data):
+        """Speak once."""
+        self.waiting = data
+        self.read_once = threading.Event()
+
+    def open(self):
+        """Do nothing."""
+
+    def read(self):
+        """Give all of it, then nothing."""
+        data, self.waiting = self.waiting, b""
+        if not data:
+            self.read_once.set()
+            time.sleep(0.01)
+        return Chunk(self.now(), data)
+
+    def write(self, _):
+        """Be deaf, and slow to say so: by then all has been read."""
+        assert self.read_once.wait(10)
+
+    def now(self):
+        """Give the clock."""
+        return time.monotonic()
+
+    def close(self):
+        """Do nothing."""
+
+
+def test_a_recording_has_what_the_device_said_first(tmp_path):
+    path = tmp_path / "run.camr"
+    with path.open("wb") as file, Session(AtOnce(b"said at once\0"), recorder=RecordingWriter(file)):
+        pass
+    heard = b"".join(record.data for record in RecordingReader(path) if record.direction == FROM_DEVICE)
+    assert heard == b"said at once\0"

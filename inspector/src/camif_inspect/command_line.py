@@ -116,8 +116,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
 
 
-def _session(options: argparse.Namespace, speed: float | None = None) -> Session:
-    session = Session(source_for(options.url, options.baud, speed), options.wait)
+def _session(
+    options: argparse.Namespace, speed: float | None = None, recorder: RecordingWriter | None = None
+) -> Session:
+    session = Session(source_for(options.url, options.baud, speed), options.wait, recorder)
     if session.trouble:
         _errors.print(f"[yellow]{session.trouble}; waiting for it[/]")
     return session
@@ -208,22 +210,22 @@ def _save(options: argparse.Namespace) -> int:
 
 def _record(options: argparse.Namespace) -> int:
     until = time.monotonic() + options.seconds if options.seconds else float("inf")
-    with _session(options) as session, replacing(options.out) as file:
+    with replacing(options.out) as file:
         writer = RecordingWriter(file)
-        session.record(writer)
-        print_log = _LogPrinter(session)
-        try:
-            with _progress(DownloadColumn()) as progress:
-                task = progress.add_task(f"recording to {options.out}", total=None)
-                while time.monotonic() < until and not session.ended.is_set():
-                    time.sleep(0.05)
-                    progress.update(task, completed=writer.bytes_written)
-                    print_log(progress.console)
-        except KeyboardInterrupt:
-            # The usual way to end it: what has come is kept.
-            pass
-        session.record(None)
-        session.check()
+        with _session(options, recorder=writer) as session:
+            print_log = _LogPrinter(session)
+            try:
+                with _progress(DownloadColumn()) as progress:
+                    task = progress.add_task(f"recording to {options.out}", total=None)
+                    while time.monotonic() < until and not session.ended.is_set():
+                        time.sleep(0.05)
+                        progress.update(task, completed=writer.bytes_written)
+                        print_log(progress.console)
+            except KeyboardInterrupt:
+                # The usual way to end it: what has come is kept.
+                pass
+            session.record(None)
+            session.check()
         written = writer.bytes_written
     _errors.print(f"{options.out}: {written:,} bytes")
     return 0

@@ -45,8 +45,8 @@ class Session:
         trouble: what is wrong with the port now; None when it is open.
     """
 
-    def __init__(self, source: Source, wait: bool = False) -> None:
-        """Open the source and, if it is a port, begin to listen.
+    def __init__(self, source: Source, wait: bool = False, recorder: RecordingWriter | None = None) -> None:
+        """Open the source and, if it is a port, begin to listen; `recorder` has all bytes, from the first one on.
 
         A port that cannot be opened raises `PortError`, unless `wait` says to wait for it. One that vanishes later is
         always waited for.
@@ -61,10 +61,11 @@ class Session:
         self.last_data: float | None = None
         self.reconnects = 0
         self._listeners: list[Listener] = []
+        self._write_lock = threading.Lock()
         self._recorder: tuple[RecordingWriter, float] | None = None
+        self.record(recorder)
         self._replies: queue.Queue[Reply] = queue.Queue()
         self._command_lock = threading.Lock()
-        self._write_lock = threading.Lock()
         self._request = random.randrange(1 << 16)
         self._stop = threading.Event()
         self._failure: BaseException | None = None
