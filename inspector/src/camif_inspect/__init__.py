@@ -15,7 +15,9 @@ The map, in data-flow order:
 | `encodings` | the encodings of a line, undone by numpy, a batch at a time |
 | `walk`, `qoi` | payloads taken apart, all lines of a batch together; QOI of colour and of samples |
 | `frame` | a frame: pixels in their places, what is missing, the device's verdict |
+| `stream` | a stream: what is known of it, its frames, how they are numbered |
 | `receiver` | bytes become frames, log and statistics; pure |
+| `counts` | what a receiver has seen, in numbers |
 | `formats` | what the bytes of a pixel mean, and how they look |
 | `session` | a thread that listens, commands and replies, ports that vanish and come back |
 | `commands` | commands packed, replies unpacked |
@@ -33,11 +35,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from .commands import Command, Parameter
+from .counts import Counts
 from .errors import CommandError, FormatError, InspectError, PortError, RecordingError
 from .frame import Frame
 from .packet import Verdict
 from .port import DEFAULT_BAUD, source_for
-from .receiver import Counts
 from .session import Session
 
 __all__ = [

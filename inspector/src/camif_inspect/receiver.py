@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import zlib
 from collections import Counter
-from dataclasses import dataclass, field
 
 import numpy as np
 from cobs import cobs
 
 from . import encodings
+from .counts import Counts
 from .formats import FORMATS, INDEX8, PixelFormat
 from .frame import Frame, Placement
 from .packet import (
@@ -39,6 +39,7 @@ from .packet import (
     UnknownKind,
     parse,
 )
+from .stream import Stream, after, is_numbered
 
 Event = Hello | StreamInfo | Palette | Frame | Heartbeat | Log | Reply | OtherVersion
 
@@ -47,72 +48,6 @@ _KEPT_FRAMES = 2
 _LINE_HEAD = 14
 _LINE_BEGINS = bytes((VERSION, Kind.LINE))
 _HALF = 1 << 15
-
-
-@dataclass
-class Counts:
-    """What has come since the receiver was made.
-
-    Attributes:
-        bytes: bytes, delimiters included.
-        received: packets that were used.
-        damaged: pieces between delimiters that are no packet: CRC errors and the like.
-        malformed: packets whose CRC is right and whose content is not.
-        other_version: packets of another protocol version.
-        unknown_kind: packets of a kind that is not known here.
-        fragments: pieces of a packet cut off by the beginning of listening.
-        lines: lines, or pieces of them, put in their places.
-        unfit: lines that fit nowhere: outside the picture, with a broken payload, or of a frame that is gone.
-        frames: frames that are over.
-        frames_whole: of these, those without any fault.
-        frames_bad_verdict: of these, those with another verdict than good.
-        frames_bad_crc: of these, those whose own CRC is wrong: a fault of the device.
-        frames_endless: of these, those whose end was lost.
-        lines_lost: lines that the link lost.
-    """
-
-    bytes: int = 0
-    received: int = 0
-    damaged: int = 0
-    malformed: int = 0
-    other_version: int = 0
-    unknown_kind: int = 0
-    fragments: int = 0
-    lines: int = 0
-    unfit: int = 0
-    frames: int = 0
-    frames_whole: int = 0
-    frames_bad_verdict: int = 0
-    frames_bad_crc: int = 0
-    frames_endless: int = 0
-    lines_lost: int = 0
-
-
-@dataclass
-class Stream:
-    """What is known of a stream, and its frames.
-
-    Attributes:
-        number: its number.
-        info: what the device said last about it.
-        open: the frame that is arriving.
-        kept: frames that are over, the latest last.
-        frames: frames that are over, counted.
-    """
-
-    number: int
-    info: StreamInfo | None = None
-    open: Frame | None = None
-    kept: list[Frame] = field(default_factory=list)
-    frames: int = 0
-    size: tuple[int, int] | None = None
-    meaning: int = 0
-    last_sequence: int | None = None
-
-    @property
-    def name(self) -> str:
-        """The stream's name, or its number."""
-        return self.info.name if self.info and self.info.name else f"stream {self.number}"
 
 
 class Receiver:
@@ -298,11 +233,11 @@ class Receiver:
         stream = self._stream(start.stream)
         frame = stream.open
         size = (start.width, start.height)
-        if frame is not None and _is(frame, start.sequence) and frame.format.code == start.format:
+        if frame is not None and is_numbered(frame, start.sequence) and frame.format.code == start.format:
             frame.sequence, frame.sequence_known = start.sequence, True
             stream.last_sequence = start.sequence
         else:
-            if stream.last_sequence is not None and _after(start.sequence, stream.last_sequence) <= 0:
+            if stream.last_sequence is not None and after(start.sequence, stream.last_sequence) <= 0:
                 # The beginning of a frame that is over, or open already, once more.
                 return
             frame = self._open(stream, start.sequence, start.format, size, start.meaning)
@@ -319,14 +254,14 @@ class Receiver:
     def _frame_ends(self, end: FrameEnd) -> None:
         stream = self._stream(end.stream)
         stream.size = (end.width, end.height)
-        if stream.open is not None and _is(stream.open, end.sequence):
+        if stream.open is not None and is_numbered(stream.open, end.sequence):
             stream.open.sequence = stream.last_sequence = end.sequence
         else:
             if end.format not in FORMATS:
                 return
-            if stream.last_sequence is not None and _after(end.sequence, stream.last_sequence) <= 0:
+            if stream.last_sequence is not None and after(end.sequence, stream.last_sequence) <= 0:
                 for frame in stream.kept:
-                    if _is(frame, end.sequence) and frame.end is None:
+                    if is_numbered(frame, end.sequence) and frame.end is None:
                         self.counts.frames_endless -= 1
                         self.counts.frames_bad_verdict += end.verdict != 0
                         frame.close(end)
@@ -455,13 +390,3 @@ class Receiver:
         self.counts.frames_bad_crc += (frame.crc_ok is False) - was_bad
         self.counts.lines_lost += frame.lost_lines - frame.lost_counted
         frame.lost_counted = frame.lost_lines
-
-
-def _is(frame: Frame, sequence: int) -> bool:
-    """Whether a frame, of whose number only the low half may be known, is the one of this number."""
-    return frame.sequence == sequence or (not frame.sequence_known and frame.sequence == sequence & 0xFFFF)
-
-
-def _after(sequence: int, last: int) -> int:
-    """How far a frame's number is after another, modulo 2³²."""
-    return (sequence - last + (1 << 31)) % (1 << 32) - (1 << 31)

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from ..formats import to_rgb, values
 from ..frame import Frame
-from ..receiver import Stream
+from ..stream import Stream
 
 # A frame that takes longer than this to come is shown while it comes.
 _PATIENCE_SECONDS = 0.25
