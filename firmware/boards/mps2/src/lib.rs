@@ -10,9 +10,11 @@
 //! | [`uart`] | a serial line |
 //! | [`uptime`] | time since the start |
 //! | [`scene`] | plays scenarios on the rig |
+//! | [`line_image!`] | an image that works line by line |
 //! | [`tell`](mod@tell) | says what came of them |
 #![no_std]
 
+mod line_image;
 pub mod exit;
 pub mod stack;
 pub mod file;
