@@ -51,7 +51,7 @@ fn on_the_host(board: Kind, mut footage: Footage, bus: Bus) -> String {
                 .unwrap();
         }
     };
-    let (_, summary) = receive_on(board.part(), &config, bus, &mut on_frame, |receiver| {
+    let (_, summary) = receive_on(board.part(), &config, bus, None, &mut on_frame, |receiver| {
         while let Some((sync, samples)) = footage.ahead() {
             let clocks = samples.len();
             receiver.stretch(sync, samples).unwrap();

@@ -23,5 +23,5 @@ mod receive;
 pub use activity::{Activity, Bucket};
 pub use bus::{BusSyntaxError, parse_bus};
 pub use config::capture_config;
-pub use receive::{Received, Receiver, Summary, WATCHED, receive, receive_on, receive_watched};
+pub use receive::{Received, Receiver, Summary, WATCHED, receive, receive_on};
 pub use source::{Source, SourceError};

@@ -126,38 +126,15 @@ pub fn receive<T>(
     on_frame: &mut dyn FnMut(Received<'_>),
     play: impl FnOnce(&mut Receiver<'_, '_>) -> T,
 ) -> Result<(T, Summary), StartError> {
-    receive_with(Part::CAMIF, config, bus, None, on_frame, play)
+    receive_on(Part::CAMIF, config, bus, None, on_frame, play)
 }
 
-/// The same with the block as `part` has it.
+/// The same with the block as `part` has it; FIFO and DMA are written down in `activity` for the first [`WATCHED`] clocks, which
+/// takes longer.
 ///
 /// # Errors
 /// As [`receive`].
 pub fn receive_on<T>(
-    part: Part,
-    config: &Config,
-    bus: Bus,
-    on_frame: &mut dyn FnMut(Received<'_>),
-    play: impl FnOnce(&mut Receiver<'_, '_>) -> T,
-) -> Result<(T, Summary), StartError> {
-    receive_with(part, config, bus, None, on_frame, play)
-}
-
-/// The same; FIFO and DMA are watched for the first [`WATCHED`] clocks, which takes longer.
-///
-/// # Errors
-/// As [`receive`].
-pub fn receive_watched<T>(
-    config: &Config,
-    bus: Bus,
-    activity: Option<&mut Activity>,
-    on_frame: &mut dyn FnMut(Received<'_>),
-    play: impl FnOnce(&mut Receiver<'_, '_>) -> T,
-) -> Result<(T, Summary), StartError> {
-    receive_with(Part::CAMIF, config, bus, activity, on_frame, play)
-}
-
-fn receive_with<T>(
     part: Part,
     config: &Config,
     bus: Bus,

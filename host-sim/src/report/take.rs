@@ -1,10 +1,10 @@
-use firmware::camif::Bus;
+use firmware::camif::{Bus, Part};
 use firmware::driver::verdict::Verdict;
 
 use super::ReportError;
 use crate::picture;
 use crate::profile::Profile;
-use crate::receiver::{Activity, Source, Summary, capture_config, receive_watched};
+use crate::receiver::{Activity, Source, Summary, capture_config, receive_on};
 
 /// Frames that are listed.
 const MOST_FRAMES: usize = 1_000;
@@ -47,7 +47,7 @@ pub(super) fn take(
         }
     };
     let (played, summary) =
-        receive_watched(&capture_config(profile), bus, activity, &mut on_frame, |receiver| {
+        receive_on(Part::CAMIF, &capture_config(profile), bus, activity, &mut on_frame, |receiver| {
             source.play(receiver, &mut |_| {})
         })
         .map_err(|error| ReportError::Profile { profile: profile.name.clone(), error })?;
