@@ -18,6 +18,7 @@
 //! | [`report`] | a diagnosis as one HTML file, and as JUnit |
 //! | [`capture`] | real cameras: V4L2 |
 //! | [`stream`] | a device on a serial line, played |
+//! | `frequency` | which value comes most often |
 //! | [`command`] | the command line |
 #![forbid(unsafe_code)]
 
@@ -35,4 +36,5 @@ pub mod pipeline;
 pub mod report;
 pub mod capture;
 pub mod stream;
+mod frequency;
 pub mod command;

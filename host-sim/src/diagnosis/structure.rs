@@ -6,23 +6,18 @@
 //! | every line of another length | `common` |
 //! | single lines and frames that deviate | `deviations` |
 
-use std::collections::BTreeMap;
-
 use super::deviations::Events;
 use super::finding::{Evidence, Finding, Remedy};
 use super::recording::Recording;
 use super::remedy;
 use super::shape::{Frame, Shape};
 use crate::fault::FaultKind;
+use crate::frequency::most_frequent;
 use crate::profile::{Profile, SyncMode};
 
-/// Numbers that occur most often.
+/// The number that occurs most often.
 pub(super) fn mode(numbers: impl Iterator<Item = usize>) -> Option<usize> {
-    let mut counts = BTreeMap::new();
-    for number in numbers {
-        *counts.entry(number).or_insert(0usize) += 1;
-    }
-    counts.into_iter().max_by_key(|&(number, count)| (count, number)).map(|(number, _)| number)
+    most_frequent(numbers).map(|(number, _)| number)
 }
 
 pub(super) fn median(mut numbers: Vec<usize>) -> Option<usize> {

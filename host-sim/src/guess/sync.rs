@@ -4,7 +4,6 @@
 //! lives in the lines and rests between them (`gated`) or lives all the time (`marker`), a size that sensors have. Each judgement is in thousandths,
 //! and a reading's score is their product.
 
-use std::collections::BTreeMap;
 use std::fmt;
 
 use firmware::camif::pins::Sync;
@@ -12,6 +11,7 @@ use firmware::camif::pins::Sync;
 use super::geometry;
 use super::layout::{FrameLines, Line, Reading, frames};
 use super::survey::Survey;
+use crate::frequency::most_frequent;
 use crate::profile::{Choice, SyncMode};
 
 /// Longest marker, as a part of the line that it ends: longer pulses are blanking.
@@ -73,15 +73,6 @@ pub fn guess(survey: &Survey) -> Vec<SyncGuess> {
     guesses.collect()
 }
 
-/// The most frequent value; of equally frequent ones the largest. And how many there are of it.
-fn usual(values: impl Iterator<Item = u64>) -> Option<(u64, u64)> {
-    let mut counts = BTreeMap::<u64, u64>::new();
-    for value in values {
-        *counts.entry(value).or_default() += 1;
-    }
-    counts.into_iter().max_by_key(|(value, count)| (*count, *value))
-}
-
 fn judge(survey: &Survey, reading: Reading) -> Option<(u64, SyncGuess)> {
     let frames = frames(survey, reading);
     let inner = |frame: &FrameLines| match frame.whole {
@@ -90,10 +81,10 @@ fn judge(survey: &Survey, reading: Reading) -> Option<(u64, SyncGuess)> {
         false => frame.lines.get(1..frame.lines.len().saturating_sub(1)).unwrap_or_default().to_vec(),
     };
     let lines: Vec<Line> = frames.iter().flat_map(inner).collect();
-    let (line_clocks, regular) = usual(lines.iter().map(|line| line.clocks))?;
+    let (line_clocks, regular) = most_frequent(lines.iter().map(|line| line.clocks))?;
     let whole: Vec<&FrameLines> = frames.iter().filter(|frame| frame.whole).collect();
     let counts: Vec<u64> = whole.iter().map(|frame| frame.lines.len() as u64).collect();
-    let (height, even) = usual(counts.iter().copied())?;
+    let (height, even) = most_frequent(counts.iter().copied())?;
     if height < 2 || line_clocks < 2 {
         return None;
     }
@@ -128,8 +119,8 @@ fn judge(survey: &Survey, reading: Reading) -> Option<(u64, SyncGuess)> {
         confidence: 0,
         line_clocks,
         lines: height,
-        hblank: usual(best.lines.windows(2).map(gap)).map_or(0, |(gap, _)| gap),
-        vblank: usual(vblanks).map_or(0, |(gap, _)| gap),
+        hblank: most_frequent(best.lines.windows(2).map(gap)).map_or(0, |(gap, _)| gap),
+        vblank: most_frequent(vblanks).map_or(0, |(gap, _)| gap),
         vfront: 0,
         vback: 0,
         frame: best.lines.clone(),
@@ -204,7 +195,7 @@ fn gated_life(survey: &Survey, reading: Reading) -> (u64, String) {
 fn marker_life(survey: &Survey, reading: Reading, line_clocks: u64) -> Option<(u64, String)> {
     let [elsewhere, pulses] = split(survey, |sync| sync.hsync == reading.hsync_high);
     let longest = survey.runs.iter().filter(|run| run.sync.hsync == reading.hsync_high).map(|run| run.clocks);
-    let usual_pulse = usual(longest).map_or(0, |(clocks, _)| clocks);
+    let usual_pulse = most_frequent(longest).map_or(0, |(clocks, _)| clocks);
     let [_, frame_pulses] = split(survey, |sync| sync.vsync == reading.vsync_high);
     if usual_pulse * MARKER_PART > line_clocks || frame_pulses.1 * 2 > survey.clocks {
         return None;
