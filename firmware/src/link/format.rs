@@ -113,6 +113,12 @@ impl Encoding {
     /// All of them, in the order of their codes from 0 on.
     pub const ALL: [Self; 5] = [Self::Raw, Self::RunLength, Self::Qoi, Self::Bits, Self::BitsRunLength];
 
+    /// These as HELLO names them: bit *n* for the one whose number is *n*.
+    #[must_use]
+    pub fn bits(encodings: &[Self]) -> u16 {
+        encodings.iter().fold(0, |bits, encoding| bits | 1 << encoding.code())
+    }
+
     /// The number on the wire.
     #[must_use]
     pub const fn code(self) -> u8 {

@@ -100,8 +100,6 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
     /// # Errors
     /// [`SendError`] of the wire; so for all of these.
     pub fn announce(&mut self) -> Result<(), SendError<W::Error>> {
-        let all =
-            [Encoding::Raw, Encoding::RunLength, Encoding::Qoi, Encoding::Bits, Encoding::BitsRunLength];
         self.sender.send(&Packet::Hello(Hello {
             oldest: VERSION,
             newest: VERSION,
@@ -109,7 +107,7 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
             sends: BODY as u16,
             streams: STREAMS,
             commands: ALL_COMMANDS,
-            encodings: all.iter().fold(0, |bits, encoding| bits | 1 << encoding.code()),
+            encodings: Encoding::bits(&Encoding::ALL),
             session: self.session,
             name: self.name,
         }))?;

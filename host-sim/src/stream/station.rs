@@ -185,7 +185,6 @@ impl<'s, 'c, 'm> Station<'s, 'c, 'm> {
 
     /// Says who this is and what it sends.
     fn hello(&mut self) {
-        let encodings = Encoding::ALL.iter().fold(0, |bits, encoding| bits | 1 << encoding.code());
         sent(self.sender.send(&Packet::Hello(Hello {
             oldest: VERSION,
             newest: VERSION,
@@ -193,7 +192,7 @@ impl<'s, 'c, 'm> Station<'s, 'c, 'm> {
             sends: BODY_MAX as u16,
             streams: self.board.streams.len() as u8,
             commands: ALL_COMMANDS,
-            encodings,
+            encodings: Encoding::bits(&Encoding::ALL),
             session: self.session,
             name: &self.name,
         })));

@@ -34,7 +34,6 @@ impl<'m, W: Write> Output<'m, W> {
     /// # Errors
     /// [`SendError`] of the writer.
     pub fn announce(&mut self, model: &Model, mode: &Mode, session: u32) -> Result<(), SendError<W::Error>> {
-        let encodings = [Encoding::Raw, Encoding::RunLength, Encoding::Qoi];
         self.sender.send(&Packet::Hello(Hello {
             oldest: VERSION,
             newest: VERSION,
@@ -43,7 +42,7 @@ impl<'m, W: Write> Output<'m, W> {
             sends: BODY as u16,
             streams: 1,
             commands: 0,
-            encodings: encodings.iter().fold(0, |bits, encoding| bits | 1 << encoding.code()),
+            encodings: Encoding::bits(&[Encoding::Raw, Encoding::RunLength, Encoding::Qoi]),
             session,
             name: model.name,
         }))?;
