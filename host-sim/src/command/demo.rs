@@ -5,6 +5,7 @@ use clap::Args;
 use firmware::camif::Bus;
 
 use super::Outcome;
+use super::broken::Broken;
 use super::generate::generate;
 use super::replay::replay;
 use super::showcase::{Shown, showcase};
@@ -41,10 +42,11 @@ impl Demo {
             .with_context(|| format!("{}: the folder cannot be made", self.out.display()))?;
         let path = self.out.join("demo.camt");
         let mut sent = Vec::new();
-        let created =
-            generate(&profile, &scene, self.frames, &path, &mut |_, bytes| sent.push(picture::crc32(bytes)))?;
+        let created = generate(&profile, &scene, self.frames, Broken::default(), &path, &mut |_, bytes| {
+            sent.push(picture::crc32(bytes))
+        })?;
         let source = Source::open(&created.path, None, SignalMap::default())?;
-        let report = replay(&source, Bus::IDEAL, Some(&self.out), None)?;
+        let report = replay(&source, Broken::default(), Bus::IDEAL, Some(&self.out), None)?;
         let first = self.out.join("frame-0000.png");
         let shown = if report.is_good() { showcase(&picture::read(&first)?, &self.out)? } else { Vec::new() };
         let html = write_report(&source, &shown, &self.out)?;

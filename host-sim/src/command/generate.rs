@@ -1,16 +1,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use firmware::trace::StretchSink;
 
 use super::bring_up::BringUp;
+use super::broken::{Broken, asks_for_help, parse_faults, trace_writer};
 use super::report::grouped;
 use super::{Outcome, progress};
 use crate::picture::SizeError;
 use crate::profile::{DEFAULT, Profile};
 use crate::scene::{Scene, Still};
 use crate::sensor::Sensor;
-use crate::trace::vcd::VcdWriterOptions;
-use crate::trace::{Created, TraceWriterOptions, create};
+use crate::trace::{Created, TraceError};
 
 /// Options of `generate`.
 #[derive(Debug, Args)]
@@ -25,7 +26,10 @@ pub struct Generate {
     /// Frames to play
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     frames: u64,
-    /// Seed of the scenes that have noise
+    /// Breaks the trace: a fault, as KIND or KIND:key=value,…; may be given more than once; help lists them
+    #[arg(long = "fault", value_name = "KIND[:key=value,…]")]
+    faults: Vec<String>,
+    /// Seed of the scenes that have noise, and of what is not said of a fault
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// The trace to be written; its name ends in .camt, .vcd, .sr, .csv, or .saleae for a folder of binary files
@@ -50,6 +54,11 @@ struct Look {
 
 impl Generate {
     pub(super) fn run(&self) -> anyhow::Result<Outcome> {
+        if asks_for_help(&self.faults) {
+            return Ok(Outcome::Fine);
+        }
+        let faults = parse_faults(&self.faults)?;
+        let broken = Broken { faults: &faults, seed: self.seed };
         let scene = match (&self.look.image, &self.look.scene) {
             (Some(path), _) => Scene::Still(Still::open(path)?),
             (None, name) => Scene::named(name.as_deref().unwrap_or("demo"), self.seed)?,
@@ -58,7 +67,8 @@ impl Generate {
             Some(readout) => {
                 let mut frame = |number| Ok(readout.frame_bytes(&scene, number));
                 let profile = readout.profile();
-                let created = write_frames(&profile, self.frames, &self.output, &mut frame, &mut |_, _| {})?;
+                let created =
+                    write_frames(&profile, self.frames, broken, &self.output, &mut frame, &mut |_, _| {})?;
                 (profile, created)
             }
             None => {
@@ -68,7 +78,7 @@ impl Generate {
                 {
                     eprintln!("note: {note}");
                 }
-                let created = generate(&profile, &scene, self.frames, &self.output, &mut |_, _| {})?;
+                let created = generate(&profile, &scene, self.frames, broken, &self.output, &mut |_, _| {})?;
                 (profile, created)
             }
         };
@@ -100,6 +110,7 @@ pub(super) fn generate(
     profile: &Profile,
     scene: &Scene,
     frames: u64,
+    broken: Broken<'_>,
     output: &Path,
     on_frame: &mut dyn FnMut(u64, &[u8]),
 ) -> anyhow::Result<Created> {
@@ -108,37 +119,52 @@ pub(super) fn generate(
         let picture = scene.render(number, profile.frame.width, profile.frame.height);
         sensor.encode(&picture)
     };
-    write_frames(profile, frames, output, &mut frame, on_frame)
+    write_frames(profile, frames, broken, output, &mut frame, on_frame)
 }
 
 /// Plays frames of a profile, whose bytes `frame` makes, into a trace file.
 fn write_frames(
     profile: &Profile,
     frames: u64,
+    broken: Broken<'_>,
     output: &Path,
     frame: &mut dyn FnMut(u64) -> Result<Vec<u8>, SizeError>,
     on_frame: &mut dyn FnMut(u64, &[u8]),
 ) -> anyhow::Result<Created> {
-    let mut sensor = Sensor::new(profile.clone())?;
-    let bits = u8::try_from(profile.bus.bits).unwrap_or(8);
-    let mut vcd = VcdWriterOptions::new(bits, profile.timing.pclk_hz);
-    vcd.edge = profile.bus.clock_edge;
-    let options = TraceWriterOptions {
-        vcd,
-        vsync_active: profile.bus.vsync_blank.is_high(),
-        profile: profile.to_toml(),
+    let mut make = |number: u64| -> Result<Vec<u8>, SizeError> {
+        let bytes = frame(number)?;
+        on_frame(number, &bytes);
+        Ok(bytes)
     };
-    let mut writer = create(output, &options)?;
+    let pclk = profile.timing.pclk_hz;
+    if broken.faults.is_empty() {
+        let mut writer = trace_writer(profile, pclk, output)?;
+        play_frames(profile, frames, &mut make, &mut writer)?;
+        return Ok(writer.finish()?);
+    }
+    let mut injector = broken.into_file(profile, pclk, output)?;
+    for fault in injector.faults() {
+        eprintln!("note: {fault}");
+    }
+    play_frames(profile, frames, &mut make, &mut injector)?;
+    Ok(injector.finish()?.finish()?)
+}
+
+fn play_frames<S: StretchSink<Error = TraceError>>(
+    profile: &Profile,
+    frames: u64,
+    frame: &mut dyn FnMut(u64) -> Result<Vec<u8>, SizeError>,
+    sink: &mut S,
+) -> anyhow::Result<()> {
+    let mut sensor = Sensor::new(profile.clone())?;
     let bar = progress::frames("generate", frames);
     for number in 0..frames {
-        let bytes = frame(number)?;
-        sensor.play_frame_bytes(&bytes, &mut writer).map_err(refused)?;
-        on_frame(number, &bytes);
+        sensor.play_frame_bytes(&frame(number)?, sink).map_err(refused)?;
         bar.inc(1);
     }
-    sensor.close(&mut writer).map_err(refused)?;
+    sensor.close(sink).map_err(refused)?;
     bar.finish_and_clear();
-    Ok(writer.finish()?)
+    Ok(())
 }
 
 /// The sink's own words say more than that it refused.

@@ -5,7 +5,7 @@ use clap::Args;
 
 use super::Outcome;
 use crate::guess::sheet::{SHOWN, contact_sheet};
-use crate::guess::{Answer, BusGuess, guess_file};
+use crate::guess::{Answer, FileGuess, guess_file};
 use crate::picture;
 use crate::trace::SignalMap;
 
@@ -33,13 +33,13 @@ impl Guess {
         let map = self.map.as_deref().map(SignalMap::parse).transpose()?.unwrap_or_default();
         let guess = guess_file(&self.trace, &map)?;
         if let Some(path) = &self.profile_out {
-            picture::write_raw(path, guess.profile.to_toml().as_bytes())?;
+            picture::write_raw(path, guess.bus.profile.to_toml().as_bytes())?;
         }
         let sheet = self.out.as_ref().map(|out| out.join("guess.png"));
         if let (Some(out), Some(sheet)) = (&self.out, &sheet) {
             std::fs::create_dir_all(out)
                 .with_context(|| format!("{}: the folder cannot be made", out.display()))?;
-            picture::write_png(sheet, &contact_sheet(&guess))?;
+            picture::write_png(sheet, &contact_sheet(&guess.bus))?;
         }
         if self.json {
             println!("{}", serde_json::to_string_pretty(&Answer::new(&self.trace, &guess))?);
@@ -56,7 +56,10 @@ impl Guess {
     }
 }
 
-fn print(guess: &BusGuess) {
+fn print(FileGuess { bus: guess, map, wires }: &FileGuess) {
+    if wires.is_some() {
+        println!("wires          --map {map}\n");
+    }
     println!("{:>6}  sync", "sure");
     for reading in guess.readings.iter().filter(|reading| reading.confidence > 0).take(SHOWN) {
         println!("{:>6}  {}", percent(reading.confidence), reading.reading);

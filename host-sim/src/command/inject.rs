@@ -1,15 +1,14 @@
 use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
 
+use super::broken::{Broken, Deferred, asks_for_help, parse_faults};
 use super::report::grouped;
 use super::{Outcome, progress};
-use crate::fault::{FaultError, FaultSpec, Injector, help};
 use crate::profile::Profile;
 use crate::receiver::Source;
-use crate::trace::vcd::VcdWriterOptions;
-use crate::trace::{SignalMap, TraceWriterOptions, create};
+use crate::trace::SignalMap;
 
 /// Options of `inject`.
 #[derive(Debug, Args)]
@@ -36,18 +35,9 @@ pub struct Inject {
     json: bool,
 }
 
-/// Reads faults as they are given on the command line.
-pub(super) fn parse_faults(texts: &[String]) -> anyhow::Result<Vec<FaultSpec>> {
-    texts
-        .iter()
-        .map(|text| text.parse().map_err(|error: FaultError| anyhow::anyhow!("--fault {text}: {error}")))
-        .collect()
-}
-
 impl Inject {
     pub(super) fn run(&self) -> anyhow::Result<Outcome> {
-        if self.faults.iter().any(|fault| fault == "help") {
-            print!("{}", help());
+        if asks_for_help(&self.faults) {
             return Ok(Outcome::Fine);
         }
         let faults = parse_faults(&self.faults)?;
@@ -62,27 +52,18 @@ impl Inject {
             eprintln!("note: {note}");
         }
         let profile = source.profile();
-        let sink = Deferred { writer: None, error: None };
-        let mut injector = Injector::new(profile, &faults, self.seed, sink)?;
         let pclk = source.trace().info().pclk_hz.unwrap_or(profile.timing.pclk_hz);
-        let bits = u8::try_from(profile.bus.bits).unwrap_or(8);
-        let mut vcd = VcdWriterOptions::new(bits, pclk.saturating_mul(injector.clock_factor()));
-        vcd.edge = profile.bus.clock_edge;
-        let options = TraceWriterOptions {
-            vcd,
-            vsync_active: profile.bus.vsync_blank.is_high(),
-            profile: profile.to_toml(),
-        };
-        injector.sink_mut().writer = Some(create(output, &options)?);
+        let broken = Broken { faults: &faults, seed: self.seed };
+        let injector = broken.into_file(profile, pclk, output)?;
         let settled: Vec<String> = injector.faults().iter().map(ToString::to_string).collect();
         let bar = progress::bytes("inject", source.trace().info().file_bytes);
-        source.play(&mut injector, &mut |bytes| bar.set_position(bytes))?;
+        let mut deferred = Deferred { sink: injector, error: None };
+        source.play(&mut deferred, &mut |bytes| bar.set_position(bytes))?;
         bar.finish_and_clear();
-        let Ok(sink) = injector.finish();
-        if let Some(error) = sink.error {
+        if let Some(error) = deferred.error {
             return Err(error.into());
         }
-        let created = sink.writer.context("the trace was not begun")?.finish()?;
+        let created = deferred.sink.finish()?.finish()?;
         if self.json {
             let report = serde_json::json!({
                 "trace": created.path,
@@ -103,26 +84,5 @@ impl Inject {
             );
         }
         Ok(Outcome::Fine)
-    }
-}
-
-/// A writer behind a sink that takes everything, as a source wants it: the first error stops the writing and is kept.
-struct Deferred {
-    writer: Option<crate::trace::TraceWriter>,
-    error: Option<crate::trace::TraceError>,
-}
-
-impl firmware::trace::StretchSink for Deferred {
-    type Error = std::convert::Infallible;
-
-    fn stretch(
-        &mut self,
-        sync: firmware::camif::pins::Sync,
-        samples: firmware::camif::pins::Samples<'_>,
-    ) -> Result<(), Self::Error> {
-        if let (Some(writer), None) = (&mut self.writer, &self.error) {
-            self.error = writer.stretch(sync, samples).err();
-        }
-        Ok(())
     }
 }

@@ -6,6 +6,7 @@
 //! | `generate` | a scene or picture becomes a trace |
 //! | `bring_up` | the driver brings a virtual sensor up, for `generate --sensor` |
 //! | `inject` | a trace with faults put in |
+//! | `broken` | faults on the way into a trace or out of it |
 //! | `guess` | a trace without a profile gets one |
 //! | `replay` | a trace becomes frames |
 //! | `diagnose` | what is wrong with a trace |
@@ -21,6 +22,7 @@
 
 mod bring_up;
 mod clock;
+mod broken;
 mod capture;
 mod capture_report;
 mod campaign;

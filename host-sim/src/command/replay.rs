@@ -4,6 +4,7 @@ use std::time::Instant;
 use anyhow::{Context, bail};
 use clap::Args;
 
+use super::broken::{Broken, asks_for_help, parse_faults};
 use super::clock::{ClockReport, seconds};
 use super::process::{print_help, print_timing};
 use super::report::{Collector, Report};
@@ -31,6 +32,12 @@ pub struct Replay {
     /// Pixel clocks from DMA request to grant: MIN or MIN..MAX, then ,stall=CLOCKS/ONE_IN and ,seed=N
     #[arg(long, value_name = "LATENCY", default_value = "0")]
     bus_latency: String,
+    /// Breaks the trace on its way: a fault, as KIND or KIND:key=value,…; may be given more than once; help lists them
+    #[arg(long = "fault", value_name = "KIND[:key=value,…]")]
+    faults: Vec<String>,
+    /// What is not said of a fault is drawn by this seed
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
     /// Writes each frame as PNG and raw bytes to this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -52,6 +59,10 @@ impl Replay {
         {
             return Ok(Outcome::Fine);
         }
+        if asks_for_help(&self.faults) {
+            return Ok(Outcome::Fine);
+        }
+        let faults = parse_faults(&self.faults)?;
         let pipeline: Option<Pipeline> = self.op.as_deref().map(str::parse).transpose().context("--op")?;
         if pipeline.is_some() && self.out.is_none() {
             bail!("--op makes pictures; say with `--out DIR` where to");
@@ -59,16 +70,17 @@ impl Replay {
         let mut runner = pipeline.as_ref().map(Runner::new);
         let bus = parse_bus(&self.bus_latency)?;
         let map = self.map.as_deref().map(SignalMap::parse).transpose()?.unwrap_or_default();
-        let (profile, guessed) = profile_for(&self.trace, self.profile.as_deref(), &map)?;
-        let source = Source::open_with(&self.trace, profile.as_ref(), map, self.min_pulse)?;
-        for note in guessed.iter().chain(source.notes()) {
+        let by = profile_for(&self.trace, self.profile.as_deref(), &map)?;
+        let source = Source::open_with(&self.trace, by.profile.as_ref(), by.map, self.min_pulse)?;
+        for note in by.notes.iter().chain(source.notes()) {
             eprintln!("note: {note}");
         }
         if let Some(out) = &self.out {
             std::fs::create_dir_all(out)
                 .with_context(|| format!("{}: the folder cannot be made", out.display()))?;
         }
-        let report = replay(&source, bus, self.out.as_deref(), runner.as_mut())?;
+        let broken = Broken { faults: &faults, seed: self.seed };
+        let report = replay(&source, broken, bus, self.out.as_deref(), runner.as_mut())?;
         if let (Some(runner), true) = (&runner, self.timing) {
             print_timing(runner);
         }
@@ -84,9 +96,10 @@ impl Replay {
     }
 }
 
-/// Plays a source into block and driver. Frames are written to `out`, and once more as `runner` makes them.
+/// Plays a source, broken as it is said, into block and driver. Frames are written to `out`, and once more as `runner` makes them.
 pub(super) fn replay(
     source: &Source,
+    broken: Broken<'_>,
     bus: firmware::camif::Bus,
     out: Option<&std::path::Path>,
     runner: Option<&mut Runner<'_>>,
@@ -97,7 +110,17 @@ pub(super) fn replay(
     let started = Instant::now();
     let (played, summary) =
         receive(&capture_config(profile), bus, &mut |frame| collector.take(&frame), |receiver| {
-            source.play(receiver, &mut |bytes| bar.set_position(bytes))
+            let mut progress = |bytes| bar.set_position(bytes);
+            if broken.faults.is_empty() {
+                return Ok(source.play(receiver, &mut progress)?);
+            }
+            let mut injector = broken.before(profile, receiver)?;
+            for fault in injector.faults() {
+                eprintln!("note: {fault}");
+            }
+            let played = source.play(&mut injector, &mut progress);
+            let Ok(_) = injector.finish();
+            Ok::<_, anyhow::Error>(played?)
         })
         .with_context(|| format!("profile {}", profile.name))?;
     let seconds = started.elapsed().saturating_sub(collector.aside).as_secs_f64();

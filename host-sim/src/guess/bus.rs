@@ -26,6 +26,8 @@ pub struct Known {
     pub bits: u8,
     /// The pixel clock, if the trace says or shows it.
     pub pclk_hz: Option<u32>,
+    /// The edge of the clock at which the other wires are still, if the trace shows it.
+    pub edge: Option<Edge>,
 }
 
 /// What a trace turned out to be.
@@ -131,7 +133,7 @@ fn profile(known: Known, sync: &SyncGuess, frame: Frame) -> Profile {
         about: "guessed from a trace".to_owned(),
         bus: Bus {
             bits: u32::from(known.bits),
-            clock_edge: Edge::Rising,
+            clock_edge: known.edge.unwrap_or(Edge::Rising),
             sync: reading.mode,
             hsync_blank: level(reading.hsync_high),
             vsync_blank: level(reading.vsync_high),
@@ -152,6 +154,9 @@ fn doubts(known: Known, readings: &[SyncGuess], formats: &[FormatGuess]) -> Vec<
     let mut doubts = Vec::new();
     if known.pclk_hz.is_none() {
         doubts.push(format!("the pixel clock is not in the trace: {USUAL_CLOCK} Hz is assumed"));
+    }
+    if known.edge.is_none() {
+        doubts.push("the clock's edge is not in the trace: the rising one is assumed".to_owned());
     }
     if let [first, second, ..] = readings
         && second.confidence * 3 >= first.confidence
@@ -198,7 +203,7 @@ mod tests {
 
     fn guess_of(profile: &Profile, scene: &Scene, frames: u64) -> BusGuess {
         let mut sensor = Sensor::new(profile.clone()).unwrap();
-        let known = Known { bits: profile.bus.bits as u8, pclk_hz: Some(profile.timing.pclk_hz) };
+        let known = Known { bits: profile.bus.bits as u8, pclk_hz: Some(profile.timing.pclk_hz), edge: None };
         let play = |mut sink: &mut dyn StretchSink<Error = Enough>| {
             let _ = sensor.play(frames, scene, &mut sink);
             // The sink may have stopped it in the middle of a frame.
@@ -278,7 +283,7 @@ mod tests {
 
     #[test]
     fn a_trace_without_a_frame_says_what_is_missing() {
-        let known = Known { bits: 8, pclk_hz: None };
+        let known = Known { bits: 8, pclk_hz: None, edge: None };
         let play = |sink: &mut dyn StretchSink<Error = Enough>| {
             let _ = sink.stretch(Sync::default(), Pins::Bytes(&[1, 2, 3]));
             Ok::<_, ()>(())

@@ -9,6 +9,7 @@
 //! | file | what lives there |
 //! |---|---|
 //! | [`open`](mod@open) | a trace file, and what is told of the guess |
+//! | [`wires`] | which channel is which wire, where their names say nothing |
 //! | [`bus`] | the whole way |
 //! | [`survey`] | one pass over the beginning: runs of the sync wires, life of the data, codes |
 //! | [`layout`] | where lines and frames lie under a reading of the sync wires |
@@ -23,6 +24,7 @@
 //! Integers only: the same trace gives the same guess on every machine.
 
 pub mod open;
+pub mod wires;
 pub mod bus;
 pub mod survey;
 pub mod layout;
@@ -35,4 +37,4 @@ pub mod format;
 pub mod sheet;
 
 pub use bus::{BusGuess, NothingFits};
-pub use open::{AUTO, Answer, GuessError, guess_file, profile_for};
+pub use open::{AUTO, Answer, FileGuess, GuessError, ReadBy, guess_file, profile_for};

@@ -6,8 +6,10 @@ use serde::Serialize;
 
 use super::bus::{self, BusGuess, Known, NothingFits};
 use super::format::ambiguous;
+use super::wires::{self, NoWires, Wires};
 use crate::profile::{Choice, DEFAULT, Profile, ProfileError};
-use crate::trace::{self, CaptureOptions, PlayError, SignalMap, TraceError, Wanted};
+use crate::trace::wiring::{WiringError, wire};
+use crate::trace::{self, Capture, CaptureOptions, PlayError, SignalMap, TraceError, Wanted};
 
 /// The word for a profile that is to be guessed.
 pub const AUTO: &str = "auto";
@@ -27,19 +29,86 @@ pub enum GuessError {
         /// Why.
         why: NothingFits,
     },
+    /// Its names say nothing, and its wires can't be told by what they do.
+    #[error("{}: {why}", path.display())]
+    Wires {
+        /// The trace.
+        path: PathBuf,
+        /// Why.
+        why: NoWires,
+    },
     /// The profile that was named.
     #[error(transparent)]
     Profile(#[from] ProfileError),
 }
 
-/// Guesses the profile of a trace file. A profile that the trace carries is not looked at.
+/// What was guessed of a trace file.
+#[derive(Clone, Debug)]
+pub struct FileGuess {
+    /// Sync, format, profile.
+    pub bus: BusGuess,
+    /// Which signals are the wires: as it was given, or as it was guessed.
+    pub map: SignalMap,
+    /// The wires, if their names did not say which they are.
+    pub wires: Option<Wires>,
+}
+
+/// Guesses the profile of a trace file, and its wires if their names say nothing and `map` is empty. A profile that the trace
+/// carries is not looked at.
 ///
 /// # Errors
 /// [`GuessError`] if the trace cannot be read or shows no frame.
-pub fn guess_file(path: &Path, map: &SignalMap) -> Result<BusGuess, GuessError> {
-    let wanted = Wanted { map: map.clone(), bus_bits: None, no_sync_wires: true };
-    let trace = trace::open(path, &CaptureOptions { wanted, ..CaptureOptions::default() })?;
-    let known = Known { bits: trace.info().bus_bits, pclk_hz: trace.info().pclk_hz };
+pub fn guess_file(path: &Path, map: &SignalMap) -> Result<FileGuess, GuessError> {
+    let capture = Capture::open(path)?;
+    let unnamed = match wire(capture.signals(), &wanted(map)) {
+        Err(WiringError::Missing(missing)) if *map == SignalMap::default() => {
+            TraceError::Wiring { path: path.to_owned(), error: missing.into() }
+        }
+        // Another error is said by who opens the trace.
+        _ => return guess_mapped(path, map).map(|bus| FileGuess { bus, map: map.clone(), wires: None }),
+    };
+    let wires = match wires::find(&capture)? {
+        Ok(wires) => wires,
+        // A bus that lacks a wire is told by its name rather than by what its other wires look like.
+        Err(NoWires::NoBus { .. }) => return Err(unnamed.into()),
+        Err(why) => return Err(GuessError::Wires { path: path.to_owned(), why }),
+    };
+    let mut best: Option<FileGuess> = None;
+    let mut failed = None;
+    for map in wires.maps().map_err(|error| GuessError::Wires { path: path.to_owned(), why: error.into() })? {
+        match guess_mapped(path, &map) {
+            Ok(bus) => {
+                if best.as_ref().is_none_or(|best| bits(&bus) < bits(&best.bus)) {
+                    best = Some(FileGuess { bus, map, wires: Some(wires.clone()) });
+                }
+            }
+            Err(error @ GuessError::Nothing { .. }) => failed = Some(error),
+            Err(error) => return Err(error),
+        }
+    }
+    let mut best = best.ok_or_else(|| failed.unwrap_or_else(|| unnamed.into()))?;
+    best.bus.doubts.extend(wires.doubts());
+    Ok(best)
+}
+
+/// Any bus, with sync wires or without.
+fn wanted(map: &SignalMap) -> Wanted {
+    Wanted { map: map.clone(), bus_bits: None, no_sync_wires: true }
+}
+
+/// What a sample takes in the most likely format.
+fn bits(guess: &BusGuess) -> u64 {
+    guess.formats.first().map_or(u64::MAX, |format| format.millibits)
+}
+
+fn guess_mapped(path: &Path, map: &SignalMap) -> Result<BusGuess, GuessError> {
+    let options = CaptureOptions { wanted: wanted(map), ..CaptureOptions::default() };
+    let mut trace = trace::open(path, &options)?;
+    let edge = trace.still_edge()?;
+    if let Some(edge) = edge.filter(|&edge| edge != options.edge) {
+        trace = trace::open(path, &CaptureOptions { edge, ..options })?;
+    }
+    let known = Known { bits: trace.info().bus_bits, pclk_hz: trace.info().pclk_hz, edge };
     let guessed = bus::guess(known, |mut sink| match trace.play(&mut sink, &mut |_| {}) {
         Ok(_) | Err(PlayError::Sink(_)) => Ok(()),
         Err(PlayError::Trace(error)) => Err(error),
@@ -47,36 +116,47 @@ pub fn guess_file(path: &Path, map: &SignalMap) -> Result<BusGuess, GuessError> 
     guessed.map_err(|why| GuessError::Nothing { path: path.to_owned(), why })
 }
 
-/// The profile for a trace, and what to tell the user of it: the one named; guessed if [`AUTO`] is named, or nothing is
-/// and the trace carries none. `None` where the trace carries one.
+/// By what a trace is read.
+#[derive(Clone, Debug, Default)]
+pub struct ReadBy {
+    /// The profile; nothing where the trace carries one.
+    pub profile: Option<Profile>,
+    /// Which signals are the wires.
+    pub map: SignalMap,
+    /// What to tell the user of it.
+    pub notes: Vec<String>,
+}
+
+/// By what a trace is to be read: the profile that is named; or, if [`AUTO`] is named, or nothing is and the trace carries none, a
+/// guessed one.
 ///
 /// # Errors
 /// If the profile that is named cannot be read, or guessing was asked for and failed.
-pub fn profile_for(
-    path: &Path,
-    named: Option<&str>,
-    map: &SignalMap,
-) -> Result<(Option<Profile>, Vec<String>), GuessError> {
+pub fn profile_for(path: &Path, named: Option<&str>, map: &SignalMap) -> Result<ReadBy, GuessError> {
+    let read_by = |profile: Option<Profile>, notes| ReadBy { profile, map: map.clone(), notes };
     if let Some(name) = named
         && name != AUTO
     {
-        return Ok((Some(Profile::find(name)?), Vec::new()));
+        return Ok(read_by(Some(Profile::find(name)?), Vec::new()));
     }
     if named.is_none() && carries_profile(path) {
-        return Ok((None, Vec::new()));
+        return Ok(read_by(None, Vec::new()));
     }
     match guess_file(path, map) {
         Ok(guess) => {
             let notes = notes(&guess);
-            Ok((Some(guess.profile), notes))
+            Ok(ReadBy { profile: Some(guess.bus.profile), map: guess.map, notes })
         }
         Err(error) if named.is_some() => Err(error),
         // What is wrong with the file will be said by who plays it.
         Err(GuessError::Nothing { why, .. }) => {
             let note = format!("the profile can't be guessed ({why}); {DEFAULT} is taken");
-            Ok((Some(Profile::find(DEFAULT)?), vec![note]))
+            Ok(read_by(Some(Profile::find(DEFAULT)?), vec![note]))
         }
-        Err(_) => Ok((None, Vec::new())),
+        Err(GuessError::Wires { why, .. }) => {
+            Ok(read_by(None, vec![format!("the wires can't be guessed: {why}")]))
+        }
+        Err(_) => Ok(read_by(None, Vec::new())),
     }
 }
 
@@ -88,16 +168,18 @@ fn carries_profile(path: &Path) -> bool {
     trace::open(path, &options).is_ok_and(|trace| trace.info().profile.is_some())
 }
 
-fn notes(guess: &BusGuess) -> Vec<String> {
+fn notes(FileGuess { bus: guess, map, wires }: &FileGuess) -> Vec<String> {
     let (Some(sync), Some(format)) = (guess.readings.first(), guess.formats.first()) else {
         return Vec::new();
     };
-    let mut notes = vec![format!(
+    let mut notes: Vec<String> =
+        wires.iter().map(|_| format!("the names of the wires say nothing; guessed --map {map}")).collect();
+    notes.push(format!(
         "no profile is given; guessed {format} ({} % sure), {} ({} % sure); `host-sim guess` shows the rivals",
         format.confidence / 10,
         sync.reading,
         sync.confidence / 10
-    )];
+    ));
     notes.extend(guess.doubts.iter().filter(|doubt| doubt.contains("can't be told")).cloned());
     notes
 }
@@ -107,6 +189,9 @@ fn notes(guess: &BusGuess) -> Vec<String> {
 pub struct Answer {
     /// The trace file.
     pub trace: String,
+    /// Which signals are the wires, as `--map` takes it; nothing where their names say so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map: Option<String>,
     /// The most likely profile, as TOML text.
     pub profile: String,
     /// How the sync wires are read, the most likely first.
@@ -150,7 +235,7 @@ pub struct FormatAnswer {
 impl Answer {
     /// What was guessed of a trace.
     #[must_use]
-    pub fn new(path: &Path, guess: &BusGuess) -> Self {
+    pub fn new(path: &Path, FileGuess { bus: guess, map, wires }: &FileGuess) -> Self {
         let sync = guess.readings.iter().map(|reading| SyncAnswer {
             sync: reading.reading.mode.name(),
             hsync_high: reading.reading.hsync_high,
@@ -172,6 +257,7 @@ impl Answer {
         });
         Self {
             trace: path.display().to_string(),
+            map: wires.as_ref().map(|_| map.to_string()),
             profile: guess.profile.to_toml(),
             sync: sync.collect(),
             formats: formats.collect(),

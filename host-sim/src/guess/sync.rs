@@ -24,6 +24,8 @@ pub struct SyncGuess {
     pub reading: Reading,
     /// How much speaks for it, of 1000 in all.
     pub confidence: u32,
+    /// How well it fits, of 1000, whatever the others do.
+    pub score: u64,
     /// Samples a line.
     pub line_clocks: u64,
     /// Lines a frame.
@@ -117,6 +119,7 @@ fn judge(survey: &Survey, reading: Reading) -> Option<(u64, SyncGuess)> {
     let mut guess = SyncGuess {
         reading,
         confidence: 0,
+        score,
         line_clocks,
         lines: height,
         hblank: most_frequent(best.lines.windows(2).map(gap)).map_or(0, |(gap, _)| gap),

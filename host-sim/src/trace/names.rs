@@ -224,6 +224,21 @@ impl SignalMap {
     }
 }
 
+impl fmt::Display for SignalMap {
+    /// As `--map` takes it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (number, entry) in self.entries.iter().enumerate() {
+            let comma = if number > 0 { "," } else { "" };
+            let wire = ALIASES.get(entry.rank).filter(|alias| alias.role == entry.role);
+            match wire {
+                Some(alias) => write!(f, "{comma}{}={}", alias.name, entry.signal)?,
+                None => write!(f, "{comma}{}={}", entry.role, entry.signal)?,
+            }
+        }
+        Ok(())
+    }
+}
+
 fn wires() -> impl Iterator<Item = String> {
     let lines = (0..DATA_LINES).map(|line| format!("D{line}"));
     ALIASES.iter().map(|alias| alias.name.to_owned()).chain(lines)
@@ -293,6 +308,7 @@ mod tests {
         assert!(ALIASES[map.get(Role::Hsync).unwrap().rank].valid_high);
         assert_eq!(map.get(Role::Data(3)).unwrap().signal, "bus[3]");
         assert_eq!(SignalMap::parse("").unwrap(), SignalMap::default());
+        assert_eq!(map.to_string(), "PCLK=CH0,HREF=CH1,D3=bus[3]");
         let message = |text| SignalMap::parse(text).unwrap_err().to_string();
         assert!(message("PLCK=a").contains("did you mean `PCLK`"), "{}", message("PLCK=a"));
         assert!(message("VSNC=a").contains("`VSYNC`"));

@@ -8,15 +8,16 @@ use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 
+use firmware::camif::pins::Edge;
 use firmware::trace::{ChunkBuffer, Item, Reader, StretchSink};
 
 use super::camt::{StdIo, fast_crc32};
 use super::capture::Capture;
-use super::clock::{Clock, Finder, Known, Survey};
+use super::clock::{Clock, Finder};
 use super::edges::{Sampler, wires};
 use super::error::TraceError;
 use super::vcd::VcdReader;
-use super::wiring::{Matched, Tap, wire};
+use super::wiring::{Matched, Tap, Wiring, wire};
 use super::{CaptureOptions, PlayError};
 
 /// Bytes read from a `.camt` file at a time.
@@ -140,6 +141,24 @@ impl Trace {
         &self.capture
     }
 
+    /// The edge of the clock at which the other wires are still; nothing if that is not clear, or the trace holds no edges as a
+    /// `.camt` does.
+    ///
+    /// # Errors
+    /// The trace's.
+    pub fn still_edge(&self) -> Result<Option<Edge>, TraceError> {
+        if let Some(clock) = &self.info.clock {
+            return Ok(clock.still_edge());
+        }
+        if self.info.format == Format::Camt {
+            return Ok(None);
+        }
+        let wiring = self.wiring()?;
+        let survey = self.capture.survey(&wires(&wiring))?;
+        let clock = Clock::choose(&survey, self.capture.known(Edge::Rising, None), &wiring.matched.pclk);
+        Ok(clock.ok().and_then(|clock| clock.still_edge()))
+    }
+
     /// Plays the whole trace into `sink`; `progress` gets the bytes of the file that are done.
     ///
     /// # Errors
@@ -255,31 +274,24 @@ impl Trace {
 
     /// Finds the wires among the signals, and the clock in the beginning of the capture.
     fn recover_clock(&mut self) -> Result<(), TraceError> {
-        let path = || self.path().to_owned();
         let capture = &self.capture;
-        let wiring = wire(capture.signals(), &self.options.wanted)
-            .map_err(|error| TraceError::Wiring { path: path(), error })?;
+        let wiring = self.wiring()?;
         let wires = wires(&wiring);
-        let mut survey = Survey::default();
-        match capture.play_wires(&wires, &mut survey, &mut |_| ()) {
-            Err(PlayError::Trace(error)) => return Err(error),
-            Ok(_) | Err(PlayError::Sink(_)) => {}
-        }
-        let known = Known {
-            ticks_per_second: capture.ticks_per_second(),
-            sample_rate: capture.sample_rate(),
-            sampled: capture.is_sampled(),
-            edge: self.options.edge,
-            shortest: self.options.shortest_pulse,
-        };
+        let survey = capture.survey(&wires)?;
+        let known = capture.known(self.options.edge, self.options.shortest_pulse);
         let clock = Clock::choose(&survey, known, &wiring.matched.pclk)
-            .map_err(|error| TraceError::Clock { path: path(), error })?;
+            .map_err(|error| TraceError::Clock { path: self.path().to_owned(), error })?;
         self.info.bus_bits = wiring.data.len() as u8;
         self.info.pclk_hz = clock.hertz.map(|hertz| hertz.round() as u32);
         self.info.matched = Some(wiring.matched);
         self.info.clock = Some(clock);
         self.wires = wires;
         Ok(())
+    }
+
+    fn wiring(&self) -> Result<Wiring, TraceError> {
+        wire(self.capture.signals(), &self.options.wanted)
+            .map_err(|error| TraceError::Wiring { path: self.path().to_owned(), error })
     }
 
     fn vcd(&self) -> Result<VcdReader<File>, TraceError> {

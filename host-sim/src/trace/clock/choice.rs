@@ -17,6 +17,9 @@ use super::survey::Survey;
 /// Fewest distances between changes of a wire from which an alias can be told.
 const EVIDENCE: usize = 200;
 
+/// Part of the changes that is nearer to one edge than to the other where it is clear which.
+const CLEARLY: f64 = 2.0 / 3.0;
+
 /// How still the other wires are at an edge of the clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stillness {
@@ -107,7 +110,7 @@ impl Clock {
             })
         };
         // Clearly more changes at this edge than at the other one: two of three.
-        let changed = known.sampled && changes >= 16 && moves_at(known.edge) > 2.0 / 3.0;
+        let changed = known.sampled && changes >= 16 && moves_at(known.edge) > CLEARLY;
         let edge = if changed { other(known.edge) } else { known.edge };
         let shortest = survey.pulses.each_ref().map(|pulses| {
             let asked = known.shortest.zip(known.ticks_per_second).map(|(seconds, ticks)| seconds * ticks);
@@ -124,6 +127,15 @@ impl Clock {
             stillness,
             shortest,
         })
+    }
+
+    /// The edge at which the other wires are still, if that is clear: more than two of three changes are nearer to the other edge.
+    #[must_use]
+    pub fn still_edge(&self) -> Option<Edge> {
+        let found = self.stillness.filter(|found| found.changes >= 16)?;
+        [(Edge::Rising, found.near_falling), (Edge::Falling, 1.0 - found.near_falling)]
+            .into_iter()
+            .find_map(|(edge, away)| (away > CLEARLY).then_some(edge))
     }
 
     pub(in super::super) fn plan(&self) -> Plan {

@@ -12,10 +12,12 @@
 //! | `survey` | the beginning of a capture: how long the clock is high and low, at which edge the data is still |
 //! | `choice` | from there to a [`Clock`]: what edge, which pulses are too short, whether there are samples enough |
 //! | `finder` | a state at every active edge of the clock |
+//! | `channels` | the same for a capture of which nobody knows what its channels are |
 
 mod survey;
 mod choice;
 mod finder;
+mod channels;
 
 pub(super) use choice::Known;
 pub use choice::{Clock, ClockError, Stillness};
