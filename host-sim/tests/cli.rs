@@ -390,3 +390,24 @@ fn a_reader_that_leaves_is_no_panic() {
         .unwrap();
     assert_eq!((output.status.code(), stderr(&output).as_str()), (None, ""));
 }
+
+#[test]
+fn a_trace_is_broken_alike_when_it_is_made_later_or_as_it_is_played() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &str| {
+        let arguments: Vec<&str> = arguments.split(' ').collect();
+        host_sim(folder.path(), &arguments)
+    };
+    let fault = "--fault missing-clock --fault stuck-bit --seed 3";
+    assert!(run("generate --scene bars --profile vga-gray8 -o good.camt").status.success());
+    let made = run(&format!("generate --scene bars --profile vga-gray8 {fault} -o made.camt"));
+    assert!(made.status.success(), "{}", stderr(&made));
+    assert!(stderr(&made).contains("stuck-bit:"), "what was drawn is said: {}", stderr(&made));
+    assert!(run(&format!("inject good.camt {fault} -o later.camt")).status.success());
+    let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert!(read("made.camt") == read("later.camt"));
+    assert!(read("made.camt") != read("good.camt"));
+    let played = json(&run(&format!("replay good.camt {fault} --json")));
+    assert_eq!(played["frames"], json(&run("replay made.camt --json"))["frames"]);
+    assert_ne!(played["frames"], json(&run("replay good.camt --json"))["frames"]);
+}

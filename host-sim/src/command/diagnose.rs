@@ -10,7 +10,7 @@ use super::{Outcome, progress};
 use crate::diagnosis::{
     Comparison, Diagnosis, FaultKind, Finding, MOST_CLOCKS, Place, Recording, Sent, compare, diagnose, fix,
 };
-use crate::guess::{guess_file, profile_for};
+use crate::guess::{ReadBy, guess_file, profile_for};
 use crate::picture;
 use crate::profile::Profile;
 use crate::receiver::{Source, capture_config, parse_bus, receive};
@@ -69,7 +69,7 @@ impl Diagnose {
     pub(super) fn run(&self) -> anyhow::Result<Outcome> {
         let bus = parse_bus(&self.bus_latency)?;
         let map = self.map.as_deref().map(SignalMap::parse).transpose()?.unwrap_or_default();
-        let (profile, mut notes) = profile_for(&self.trace, self.profile.as_deref(), &map)?;
+        let ReadBy { profile, map, mut notes } = profile_for(&self.trace, self.profile.as_deref(), &map)?;
         let asked_to_guess = !notes.is_empty();
         let source = Source::open(&self.trace, profile.as_ref(), map.clone())?;
         notes.extend_from_slice(source.notes());

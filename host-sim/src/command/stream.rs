@@ -152,10 +152,9 @@ impl Stream {
 
     fn source(&self) -> anyhow::Result<Source> {
         if let Some(path) = &self.look.trace {
-            let map = SignalMap::default();
-            let (profile, guessed) = profile_for(path, self.profile.as_deref(), &map)?;
-            let trace = receiver::Source::open(path, profile.as_ref(), map)?;
-            for note in guessed.iter().chain(trace.notes()) {
+            let by = profile_for(path, self.profile.as_deref(), &SignalMap::default())?;
+            let trace = receiver::Source::open(path, by.profile.as_ref(), by.map)?;
+            for note in by.notes.iter().chain(trace.notes()) {
                 eprintln!("note: {note}");
             }
             return Ok(Source::Trace(Box::new(trace)));
