@@ -113,7 +113,7 @@ impl Diagnose {
         if let Some(path) = &self.report {
             // A trace of which nothing can be guessed has a report all the same.
             let guess = match guess_file(&self.trace, &map) {
-                Ok(guess) => Some(guess),
+                Ok(guess) => Some(guess.bus),
                 Err(error) if !asked_to_guess => {
                     notes.push(format!("the bus alone suggests nothing: {error}"));
                     None
