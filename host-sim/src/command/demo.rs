@@ -43,7 +43,7 @@ impl Demo {
         let path = self.out.join("demo.camt");
         let mut sent = Vec::new();
         let created = generate(&profile, &scene, self.frames, Broken::default(), &path, &mut |_, bytes| {
-            sent.push(picture::crc32(bytes))
+            sent.push(picture::crc32(bytes));
         })?;
         let source = Source::open(&created.path, None, SignalMap::default())?;
         let report = replay(&source, Broken::default(), Bus::IDEAL, Some(&self.out), None)?;

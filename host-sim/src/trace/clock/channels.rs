@@ -104,6 +104,6 @@ impl EdgeSink for States<'_> {
 
     fn edge(&mut self, state: u64, _: u64) -> Result<(), Enough> {
         let below = state & (PCLK - 1);
-        self.0(below | (state & !(PCLK | PCLK - 1)) >> 1)
+        self.0(below | (state & !(PCLK | (PCLK - 1))) >> 1)
     }
 }
