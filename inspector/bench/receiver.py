@@ -3,7 +3,7 @@
     python bench/receiver.py [--seconds 1.0] [--image FILE]
 
 Each row is a stream as a device sends it: VGA frames of a photograph, or of its edges, in one encoding, from FRAME to
-END, in pieces of 256 KiB, as a port gives them whose bytes wait. Time is that of the processor, and the best of several
+END, in pieces of 1 MiB, as a port gives them whose bytes wait. Time is that of the processor, and the best of several
 rounds is given, because other work disturbs.
 """
 
@@ -24,7 +24,7 @@ from camif_inspect.frame import Frame
 from camif_inspect.receiver import Receiver
 
 PHOTOGRAPHS = Path(__file__).parents[2] / "tests" / "data" / "photographs"
-PIECE = 1 << 18
+PIECE = 1 << 20
 
 
 def edges(gray: np.ndarray) -> np.ndarray:

@@ -88,10 +88,9 @@ def _eight_pixels() -> npt.NDArray[np.uint64]:
 def run_length(payloads: Sequence[bytes], unit: int) -> tuple[Bytes, Counts]:
     """Undo `run-length` over units of `unit` bytes: controls below 128 precede literals, the others a repeated unit."""
     found = walk(payloads, _run_length_lengths(unit))
-    places = found.in_order()
+    places, operations = found.in_order()
     control = found.data[places]
     units = np.where(control < 128, control + np.int32(1), control - np.int32(126))
-    operations = found.operations
     until = np.concatenate((np.zeros(1, np.int64), np.cumsum(units, dtype=np.int64)))
     counts = np.diff(until[np.cumsum(operations)], prepend=0)
 
@@ -106,8 +105,15 @@ def run_length(payloads: Sequence[bytes], unit: int) -> tuple[Bytes, Counts]:
         line = np.repeat(np.arange(operations.size), operations)
         times = np.ones(left.shape[0], np.int64)
         times[(places[runs] - runs - line[runs]) // unit] = units[runs]
-        left = np.repeat(left, times, axis=0)
+        left = _repeated(left, times)
     return left.reshape(-1), counts * unit
+
+
+def _repeated(units: Bytes, times: Counts) -> Bytes:
+    """Repeat rows of bytes; as numbers, where a row can be one, it is much faster."""
+    if units.shape[1] == 3:
+        return units.repeat(times, axis=0)
+    return units.view(f"u{units.shape[1]}").reshape(-1).repeat(times).view(np.uint8)
 
 
 @lru_cache

@@ -23,7 +23,7 @@ DEFAULT_BAUD = 921_600
 # How long a read waits for more bytes: short beside what an eye notices, long beside a system call.
 _POLL_SECONDS = 0.02
 # A read takes all that has come meanwhile: the more, the better lines are decoded together.
-_READ_BYTES = 1 << 18
+_READ_BYTES = 1 << 20
 # A device that stops reading must not hang the one who sends it a command.
 _WRITE_SECONDS = 2.0
 
@@ -113,7 +113,7 @@ class SerialSource:
             raise PortError(f"cannot open {self.name}: {_reason(error)}") from error
 
     def read(self) -> Chunk:
-        """Read what has come, at most 256 KiB."""
+        """Read what has come, at most 1 MiB."""
         if self._port is None:
             raise PortError(f"{self.name} is not open")
         try:

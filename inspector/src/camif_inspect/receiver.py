@@ -17,7 +17,7 @@ from cobs import cobs
 
 from . import encodings
 from .counts import Counts
-from .formats import FORMATS, INDEX8, PixelFormat
+from .formats import FORMATS, INDEX8, Bytes, PixelFormat
 from .frame import Frame, Placement
 from .packet import (
     CRC_RESIDUE,
@@ -46,7 +46,8 @@ Event = Hello | StreamInfo | Palette | Frame | Heartbeat | Log | Reply | OtherVe
 # Closed frames kept for lines that are sent again.
 _KEPT_FRAMES = 2
 _LINE_HEAD = 14
-_LINE_BEGINS = bytes((VERSION, Kind.LINE))
+_LINE_KIND = bytes((VERSION, Kind.LINE))
+_LINE_BEGINS = int.from_bytes(_LINE_KIND, "little")
 _HALF = 1 << 15
 
 
@@ -65,8 +66,6 @@ class Receiver:
         self._tail = b""
         self._overlong = False
         self._joining = joins_midway
-        # Lines that wait to be decoded, by what they have in common: stream, format, encoding, frame.
-        self._batches: dict[bytes, list[bytes]] = {}
         self._events: list[Event] = []
 
     def rejoin(self) -> None:
@@ -85,8 +84,7 @@ class Receiver:
             pieces[0] = b""
             self._overlong = False
         if len(self._tail) > LARGEST_WIRE:
-            if not self._overlong:
-                self._damage()
+            self.counts.damaged += not self._overlong
             self._overlong = True
         if self._overlong:
             self._tail = b""
@@ -94,25 +92,81 @@ class Receiver:
             self._joining = False
             self._first(pieces)
 
-        # The hot loop: everything that happens once a packet is here.
-        decode, crc32, batches = cobs.decode, zlib.crc32, self._batches
-        for wire in pieces:
-            if not wire:
-                continue
-            try:
-                body = decode(wire)
-            except cobs.DecodeError:
-                self._damage()
-                continue
-            if crc32(body) != CRC_RESIDUE or len(body) < LEAST_BODY or len(wire) > LARGEST_WIRE:
-                self._damage()
-            elif body[:2] == _LINE_BEGINS and body[12:14] == b"\0\0" and body[4:10] in batches:
-                batches[body[4:10]].append(body)
-            else:
-                self._packet(body)
-        self._flush()
+        self._take_bodies(self._bodies(list(filter(None, pieces))))
         events, self._events = self._events, []
         return events
+
+    def _bodies(self, pieces: list[bytes]) -> list[bytes]:
+        """Undo the stuffing and check the CRC: gives the packets that are not damaged, and counts the others.
+
+        All that happens to each packet by itself happens here, and none of it in Python as long as none is damaged.
+        """
+        if not pieces:
+            return []
+        try:
+            bodies = list(map(cobs.decode, pieces))
+            lengths = list(map(len, pieces))
+            whole = list(map(zlib.crc32, bodies)).count(CRC_RESIDUE) == len(bodies)
+            if whole and min(lengths) > LEAST_BODY and max(lengths) <= LARGEST_WIRE:
+                return bodies
+        except cobs.DecodeError:
+            pass
+        return [body for body in map(self._body, pieces) if body is not None]
+
+    def _body(self, wire: bytes) -> bytes | None:
+        """Undo the stuffing of one packet and check its CRC; None, and counted, if it is damaged."""
+        try:
+            body: bytes = cobs.decode(wire)
+        except cobs.DecodeError:
+            body = b""
+        if len(body) < LEAST_BODY or len(wire) > LARGEST_WIRE or zlib.crc32(body) != CRC_RESIDUE:
+            self.counts.damaged += 1
+            return None
+        return body
+
+    def _take_bodies(self, bodies: list[bytes]) -> None:
+        """Take packets in their order, but lines that follow each other together."""
+        if not bodies:
+            return
+        heads = np.frombuffer(b"".join([body[:_LINE_HEAD].ljust(_LINE_HEAD) for body in bodies]), np.uint8)
+        heads = heads.reshape(-1, _LINE_HEAD)
+        lengths = np.array(list(map(len, bodies)))
+        words = heads.view("<u2")
+        # Whole lines of the length that they say they have. Pieces of lines come one by one.
+        plain = (words[:, 0] == _LINE_BEGINS) & (words[:, 6] == 0) & (words[:, 1] == lengths - LEAST_BODY)
+        plain &= lengths >= _LINE_HEAD + 4
+        begin = 0
+        for place in [*np.flatnonzero(~plain).tolist(), len(bodies)]:
+            if begin < place:
+                self._take_lines(bodies[begin:place], heads[begin:place])
+            begin = place + 1
+            if place < len(bodies):
+                self._packet(bodies[place])
+
+    def _take_lines(self, bodies: list[bytes], heads: Bytes) -> None:
+        """Take whole lines: those with stream, format, encoding and frame in common together, for these take turns.
+
+        Only another frame of a stream comes after what is of the one before.
+        """
+        words = heads.view("<u2")
+        keys = words[:, 2].astype(np.int64) | words[:, 3].astype(np.int64) << 16 | words[:, 4].astype(np.int64) << 32
+        if np.all(keys == keys[0]):
+            self._take_batch(bodies, heads)
+            return
+        batches: dict[int, list[int]] = {}
+
+        def take() -> None:
+            for places in batches.values():
+                self._take_batch([bodies[place] for place in places], heads[places])
+            batches.clear()
+
+        for place, key in enumerate(keys.tolist()):
+            if key not in batches:
+                if any(key & 255 == other & 255 and key >> 32 != other >> 32 for other in batches):
+                    take()
+                batches[key] = []
+            batches[key].append(place)
+        take()
 
     def _first(self, pieces: list[bytes]) -> None:
         """Forgive the first piece after joining midway if it is only the end of a packet."""
@@ -124,15 +178,11 @@ class Receiver:
             self.counts.fragments += 1
             pieces[0] = b""
 
-    def _damage(self) -> None:
-        self.counts.damaged += 1
-
     def _packet(self, body: bytes) -> None:
-        """Take a body whose CRC is right, and which does not continue a batch."""
-        if body[:2] == _LINE_BEGINS and len(body) >= _LINE_HEAD + 4:
-            self._begins_batch(body)
+        """Take a body whose CRC is right, and which is no plain line."""
+        if body[:2] == _LINE_KIND and len(body) >= _LINE_HEAD + 4:
+            self._take_batch([body], np.frombuffer(body[:_LINE_HEAD], np.uint8).reshape(1, -1))
             return
-        self._flush()
         try:
             packet = parse(body)
         except Malformed:
@@ -273,58 +323,25 @@ class Receiver:
 
     # Lines.
 
-    def _flush(self) -> None:
-        """Decode the lines that wait and put them in their places."""
-        if self._batches:
-            batches = list(self._batches.values())
-            self._batches.clear()
-            for batch in batches:
-                self._take_batch(batch)
-
-    def _begins_batch(self, body: bytes) -> None:
-        """Begin a batch. Streams take turns on the line, and so do encodings: there are several at a time.
-
-        What must keep its order does: pieces of lines, and another frame of a stream, come after what waits.
-        """
-        key = body[4:10]
-        if body[12:14] != b"\0\0":
-            self._flush()
-            self._take_batch([body])
-            return
-        if any(other[0] == key[0] and other[4:] != key[4:] for other in self._batches):
-            self._flush()
-        self._batches[key] = [body]
-
-    def _take_batch(self, batch: list[bytes]) -> None:
-        head = batch[0]
-        code, encoding, unused = head[5], head[6] & 15, head[6] >> 4 & 7
+    def _take_batch(self, batch: list[bytes], heads: Bytes) -> None:
+        """Take lines of one frame that have format and encoding in common."""
+        code, encoding, unused = batch[0][5], batch[0][6] & 15, batch[0][6] >> 4 & 7
         pixel_format = FORMATS.get(code)
         if pixel_format is None or encoding not in encodings.NAMES or encoding == encodings.SENDER_CHOOSES:
             # Of a later edition of this version: ignored, but a packet all the same.
             self.counts.received += len(batch)
             self.counts.unfit += len(batch)
-        elif len(batch) == 1 or not self._lines(batch, pixel_format, encoding, unused):
+        elif len(batch) == 1 or not self._lines(batch, heads, pixel_format, encoding, unused):
             for body in batch:
                 self._line(body, pixel_format, encoding, unused)
 
-    def _lines(self, batch: list[bytes], pixel_format: PixelFormat, encoding: int, unused: int) -> bool:
+    def _lines(self, batch: list[bytes], heads: Bytes, pixel_format: PixelFormat, encoding: int, unused: int) -> bool:
         """Take a batch whole; False, and nothing done, if it is not as plain as batches are."""
         count = len(batch)
-        lengths = [len(body) for body in batch]
-        text = b"".join(batch)
-        if min(lengths) == max(lengths):
-            table = np.frombuffer(text, np.uint8).reshape(count, -1)
-            heads = table[:, :_LINE_HEAD]
-        else:
-            table = None
-            heads = np.frombuffer(b"".join([body[:_LINE_HEAD] for body in batch]), np.uint8).reshape(count, -1)
-        words = np.ascontiguousarray(heads).view("<u2")
-        if np.any(words[:, 1] != np.array(lengths) - LEAST_BODY):
-            return False
-        lines = words[:, 5].astype(np.int64)
+        words = heads.view("<u2")
         try:
-            if encoding == encodings.RAW and table is not None:
-                rows = table[:, _LINE_HEAD:-4]
+            if encoding == encodings.RAW and np.all(words[:, 1] == words[0, 1]):
+                rows = np.frombuffer(b"".join(batch), np.uint8).reshape(count, -1)[:, _LINE_HEAD:-4]
             else:
                 payloads = [body[_LINE_HEAD:-4] for body in batch]
                 pixels, counts = encodings.decode(encoding, unused, payloads, pixel_format)
@@ -334,7 +351,7 @@ class Receiver:
         except Malformed:
             return False
         frame = self._frame_of_line(batch[0])
-        if frame is None or frame.format is not pixel_format or not frame.put_lines(lines, rows):
+        if frame is None or frame.format is not pixel_format or not frame.put_lines(words[:, 5].astype(np.int64), rows):
             return False
         self.counts.received += count
         self.counts.lines += count
