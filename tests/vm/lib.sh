@@ -4,11 +4,31 @@ vm=$PWD/target/vm
 
 skip() { echo "skipped: $*" >&2; exit 77; }
 
-# need INSTALL COMMAND:PACKAGE...   the commands are there, or are installed, or all is skipped
+# read_options ARGUMENT...   sets `install`, `keep`, `filter` and `tests` by what the script was given
+read_options() {
+  tests=() keep= install= filter=--skip=numbers::
+  while [ $# -gt 0 ]; do
+    case $1 in
+      --install) install=yes ;;
+      --numbers) filter=numbers:: ;;
+      --keep) keep=${2:?--keep needs a folder}; shift ;;
+      -*) sed -n '2,/^set/{/^set/!s/^# \{0,1\}//p}' "$0"; exit 2 ;;
+      *) tests+=("$1") ;;
+    esac
+    shift
+  done
+}
+
+# need INSTALL THING:PACKAGE...   the commands, or files by a pattern with a slash, are there, or are installed, or all is skipped
 need() {
   local install=$1 missing=() pair
   shift
-  for pair in "$@"; do command -v "${pair%%:*}" > /dev/null || missing+=("${pair##*:}"); done
+  for pair in "$@"; do
+    case ${pair%%:*} in
+      /*) compgen -G "${pair%%:*}" > /dev/null ;;
+      *) command -v "${pair%%:*}" > /dev/null ;;
+    esac || missing+=("${pair##*:}")
+  done
   [ ${#missing[@]} -gt 0 ] || return 0
   if [ -n "$install" ] && [ "$(id -u)" = 0 ] && command -v apt-get > /dev/null; then
     { apt-get update --quiet && DEBIAN_FRONTEND=noninteractive apt-get install --yes --quiet --no-install-recommends "${missing[@]}"; } \
@@ -64,6 +84,28 @@ fetch_kernel() {
   touch "$kernel/whole"
 }
 
+# fetch_libcamera INSTALL   sets `sysroot` to a folder with Debian 13's libcamera-dev and all that it needs, and what cargo needs to build with it
+fetch_libcamera() {
+  local package
+  sysroot=$vm/libcamera
+  need "$1" g++:g++ pkg-config:pkg-config '/usr/lib/llvm-*/lib/libclang*.so.1:libclang1-19' '/usr/lib/llvm-*/lib/clang/*/include/stddef.h:libclang-common-19-dev'
+  if [ ! -e "$sysroot/whole" ]; then
+    suite_update trixie
+    echo "downloading libcamera-dev of trixie and what it needs" >&2
+    rm -rf "$sysroot"
+    mkdir -p "$sysroot"
+    # apt holds each package to the hash that the release's signature vouches for.
+    suite_apt trixie apt-get install --download-only --yes --quiet libcamera-dev > "$sysroot.log" 2>&1 \
+      || skip "apt can't download libcamera-dev: $(tail -n 1 "$sysroot.log")"
+    for package in "$vm"/apt-trixie/cache/archives/*.deb; do dpkg-deb --extract "$package" "$sysroot"; done
+    suite_apt trixie apt-get clean
+    touch "$sysroot/whole"
+  fi
+  export PKG_CONFIG_SYSROOT_DIR=$sysroot PKG_CONFIG_LIBDIR=$sysroot/usr/lib/x86_64-linux-gnu/pkgconfig
+  LIBCLANG_PATH=$(dirname "$(compgen -G '/usr/lib/llvm-*/lib/libclang*.so.1' | sort --version-sort | tail -n 1)")
+  export LIBCLANG_PATH
+}
+
 # test_program NAME   builds the tests of that name and says where the program is
 test_program() {
   cargo test --no-run -p camif-vm --test "$1" 2>&1 | tee "$vm/build.log" | sed -n 's/.*Executable .*(\(.*\))$/\1/p' | grep . || { cat "$vm/build.log" >&2; exit 1; }
@@ -91,6 +133,27 @@ put_program() {
       *) cp -nL "$library" "$root/lib/x86_64-linux-gnu/" ;;
     esac
   done
+}
+
+# put_libraries ROOT SYSROOT FILE...   the libraries of SYSROOT that these need, and its loader
+put_libraries() {
+  local root=$1 from=$2/usr/lib file needed
+  shift 2
+  cp -L "$from"/x86_64-linux-gnu/ld-linux-x86-64.so.2 "$root/lib64/"
+  for file in "$@"; do
+    for needed in $(readelf --dynamic "$file" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p'); do
+      [ ! -e "$root/lib/x86_64-linux-gnu/$needed" ] || continue
+      # What it has not is the loader.
+      [ -e "$from/x86_64-linux-gnu/$needed" ] || continue
+      cp -L "$from/x86_64-linux-gnu/$needed" "$root/lib/x86_64-linux-gnu/"
+      put_libraries "$root" "${from%/usr/lib}" "$root/lib/x86_64-linux-gnu/$needed"
+    done
+  done
+}
+
+# put_tests ROOT   what the machine is there for
+put_tests() {
+  echo "cd / && tests --ignored --test-threads=1 --nocapture $filter ${tests[*]+"${tests[*]}"}" > "$1/run-tests"
 }
 
 # put_modules ROOT MODULE...   kernel modules and those that they need, and the order in which to load them

@@ -9,7 +9,7 @@ use super::CaptureError;
 ///
 /// Frames are lent out in the memory that the device wrote; the device has it back when the frame is dropped.
 pub trait CaptureDevice {
-    /// What to call it: the path of a V4L2 device.
+    /// What to call it: the path of a V4L2 device, the name of a camera of libcamera.
     fn name(&self) -> &str;
 
     /// What its frames are.
@@ -111,9 +111,9 @@ pub struct Settings {
 /// A camera that could be captured from.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Found {
-    /// How to choose it: `v4l2`.
+    /// How to choose it: `v4l2` or `libcamera`.
     pub interface: &'static str,
-    /// The path by which it is chosen.
+    /// The path or name by which it is chosen.
     pub id: String,
     /// Its name, for people.
     pub name: String,
@@ -121,6 +121,11 @@ pub struct Found {
     pub place: String,
     /// Its connectors, where there are several to choose from.
     pub inputs: Vec<String>,
+    /// Whether frames come only after its way from the sensor is set up, which libcamera does.
+    pub media_controlled: bool,
+    /// Least and greatest frames a second, of a camera that takes any between at the size that it is set to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rates: Option<(f64, f64)>,
     /// What it offers.
     pub formats: Vec<FoundFormat>,
 }
@@ -150,4 +155,13 @@ pub struct FoundSize {
     pub up_to: Option<(u32, u32)>,
     /// Frames a second, most first; none if the device does not say.
     pub rates: Vec<f64>,
+}
+
+impl FoundSize {
+    /// Whether this size can be asked for.
+    #[cfg(feature = "libcamera")]
+    pub(super) fn contains(&self, (width, height): (u32, u32)) -> bool {
+        let (most_width, most_height) = self.up_to.unwrap_or((self.width, self.height));
+        (self.width..=most_width).contains(&width) && (self.height..=most_height).contains(&height)
+    }
 }

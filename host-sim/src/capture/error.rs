@@ -1,6 +1,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::profile::nearest;
+
 /// Why frames do not come, or no more of them.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -102,6 +104,26 @@ pub enum CaptureError {
 }
 
 impl CaptureError {
+    /// Something of which there is none, with what there is, the nearest first.
+    pub(super) fn unknown<'a>(
+        device: &str,
+        kind: &'static str,
+        name: &str,
+        known: impl Iterator<Item = &'a str> + Clone,
+    ) -> Self {
+        let first = nearest(name, known.clone());
+        let others = known.filter(|other| Some(*other) != first);
+        let known = first.into_iter().chain(others).collect::<Vec<_>>().join(", ");
+        Self::Unknown { device: device.to_owned(), kind, name: name.to_owned(), known }
+    }
+
+    /// A setting that is not granted.
+    #[cfg(feature = "libcamera")]
+    pub(super) fn refused(device: &str, setting: &str, what: &str, remedy: &str) -> Self {
+        let [device, setting, what, remedy] = [device, setting, what, remedy].map(str::to_owned);
+        Self::Refused { device, setting, what, remedy }
+    }
+
     /// The same, with the frames that came before it.
     pub(super) fn after(mut self, count: u64) -> Self {
         if let Self::Timeout { frames, .. } | Self::Gone { frames, .. } | Self::Stopped { frames, .. } =

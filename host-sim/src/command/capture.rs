@@ -5,7 +5,9 @@ use std::time::Duration;
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 
-use super::capture_report::{DeviceReport, Report, list, list_controls};
+use super::capture_controls::list_controls;
+use super::capture_list::list;
+use super::capture_report::{DeviceReport, Report};
 use super::process::print_help;
 use super::{Outcome, progress, stop_on_signal};
 use crate::capture::{self, CaptureDevice, CaptureError, Files, Limits, Output, Settings};
@@ -21,6 +23,9 @@ pub struct Capture {
     /// A V4L2 device, such as /dev/video0; can be given several times. Without a device the first camera found is taken
     #[arg(long, value_name = "PATH")]
     v4l2: Vec<PathBuf>,
+    /// A camera of libcamera by its name; can be given several times. Needs a host-sim built with `--features libcamera`
+    #[arg(long, value_name = "ID")]
+    libcamera: Vec<String>,
     /// Lists the controls of the device, and their values
     #[arg(long)]
     controls: bool,
@@ -88,10 +93,52 @@ impl Kept {
     }
 }
 
-/// A name for a device's folder: the last word of its path.
-fn folder_name(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '-' }).collect()
+/// Where frames come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Source {
+    /// The path of a V4L2 device.
+    V4l2(PathBuf),
+    /// The name of a camera of libcamera.
+    Libcamera(String),
+}
+
+impl Source {
+    /// A name for the device's folder: the last word of a path; a whole name of libcamera, as only that is the camera's own.
+    fn folder_name(&self) -> String {
+        let name = match self {
+            Self::V4l2(path) => path.file_name().unwrap_or_default().to_string_lossy(),
+            Self::Libcamera(id) => id.trim_matches(|letter: char| !letter.is_ascii_alphanumeric()).into(),
+        };
+        name.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '-' }).collect()
+    }
+
+    /// Starts the device and lends it to `used`.
+    fn with(&self, settings: &Settings, used: Use<'_>) -> anyhow::Result<DeviceReport> {
+        match self {
+            #[cfg(all(target_os = "linux", target_pointer_width = "64"))]
+            Self::V4l2(path) => used(&mut capture::v4l2::V4l2::start(path, settings)?),
+            #[cfg(all(target_os = "linux", feature = "libcamera"))]
+            Self::Libcamera(id) => used(&mut capture::libcamera::Libcamera::start(id, settings)?),
+            #[allow(unreachable_patterns, reason = "which of them is left is a matter of the build")]
+            other => {
+                let _ = (settings, used);
+                Err(other.is_not_built())
+            }
+        }
+    }
+
+    /// Why this build can't use it.
+    pub(super) fn is_not_built(&self) -> anyhow::Error {
+        match self {
+            Self::V4l2(path) => {
+                anyhow::anyhow!("{}: V4L2 is a part of Linux, on machines of 64 bits", path.display())
+            }
+            Self::Libcamera(id) => anyhow::anyhow!(
+                "{id}: this host-sim is built without libcamera; build it with `--features libcamera`, \
+                 for which docs/capture.md says what to install"
+            ),
+        }
+    }
 }
 
 impl Capture {
@@ -111,8 +158,8 @@ impl Capture {
         }
         let chosen = self.choose()?;
         if self.controls {
-            for path in &chosen {
-                list_controls(path, self.input, &self.set, self.json)?;
+            for source in &chosen {
+                list_controls(source, self.input, &self.set, self.json)?;
             }
             return Ok(Outcome::Fine);
         }
@@ -122,7 +169,7 @@ impl Capture {
         let profile = self.as_trace.as_ref().map(|_| Profile::find(&self.profile)).transpose()?;
         let stop = stop_on_signal()?;
         let bars = progress::lines();
-        let one = |device: &PathBuf| {
+        let one = |device: &Source| {
             let line = bars.add(progress::line());
             let report =
                 self.capture(device, chosen.len() > 1, pipeline.as_ref(), profile.as_ref(), &stop, &line);
@@ -141,12 +188,14 @@ impl Capture {
         finish(reports, self.json)
     }
 
-    fn choose(&self) -> anyhow::Result<Vec<PathBuf>> {
-        if self.v4l2.is_empty() {
-            let first = super::capture_report::first().ok_or(CaptureError::None)?;
-            return Ok(vec![first.id.into()]);
+    fn choose(&self) -> anyhow::Result<Vec<Source>> {
+        let paths = self.v4l2.iter().cloned().map(Source::V4l2);
+        let chosen: Vec<Source> =
+            paths.chain(self.libcamera.iter().cloned().map(Source::Libcamera)).collect();
+        if chosen.is_empty() {
+            return Ok(vec![super::capture_list::first().ok_or(CaptureError::None)?]);
         }
-        Ok(self.v4l2.clone())
+        Ok(chosen)
     }
 
     fn settings(&self) -> Settings {
@@ -164,7 +213,7 @@ impl Capture {
     /// Captures from one device, from the first setting to the last file.
     fn capture(
         &self,
-        path: &Path,
+        source: &Source,
         in_own_folder: bool,
         pipeline: Option<&Pipeline>,
         profile: Option<&Profile>,
@@ -174,11 +223,11 @@ impl Capture {
         let folder = self
             .out
             .as_ref()
-            .map(|out| if in_own_folder { out.join(folder_name(path)) } else { out.clone() });
+            .map(|out| if in_own_folder { out.join(source.folder_name()) } else { out.clone() });
         let mut use_device = |device: &mut dyn CaptureDevice| {
             self.use_device(device, folder.as_deref(), pipeline, profile, stop, line)
         };
-        with_v4l2(path, &self.settings(), &mut use_device)
+        source.with(&self.settings(), &mut use_device)
     }
 
     fn use_device(
@@ -224,16 +273,6 @@ impl Capture {
 }
 
 type Use<'a> = &'a mut dyn FnMut(&mut dyn CaptureDevice) -> anyhow::Result<DeviceReport>;
-
-#[cfg(all(target_os = "linux", target_pointer_width = "64"))]
-fn with_v4l2(path: &Path, settings: &Settings, used: Use<'_>) -> anyhow::Result<DeviceReport> {
-    used(&mut capture::v4l2::V4l2::start(path, settings)?)
-}
-
-#[cfg(not(all(target_os = "linux", target_pointer_width = "64")))]
-fn with_v4l2(path: &Path, _: &Settings, _: Use<'_>) -> anyhow::Result<DeviceReport> {
-    bail!("{}: V4L2 is a part of Linux, on machines of 64 bits", path.display())
-}
 
 /// Prints what came of all devices. The first that could not be used at all, or that failed, is the error.
 fn finish(reports: Vec<anyhow::Result<DeviceReport>>, json: bool) -> anyhow::Result<Outcome> {
@@ -329,7 +368,10 @@ mod tests {
 
     #[test]
     fn folders_are_named_after_devices() {
-        assert_eq!(folder_name(Path::new("/dev/video12")), "video12");
-        assert_eq!(folder_name(Path::new("/dev/v4l/by-id/usb-A_B.1-index0")), "usb-A-B-1-index0");
+        let v4l2 = |path: &str| Source::V4l2(path.into()).folder_name();
+        assert_eq!(v4l2("/dev/video12"), "video12");
+        assert_eq!(v4l2("/dev/v4l/by-id/usb-A_B.1-index0"), "usb-A-B-1-index0");
+        let libcamera = |id: &str| Source::Libcamera(id.to_owned()).folder_name();
+        assert_eq!(libcamera("/base/soc/i2c0mux/i2c@1/imx219@10"), "base-soc-i2c0mux-i2c-1-imx219-10");
     }
 }

@@ -1,11 +1,10 @@
 use std::fmt;
-use std::path::Path;
 use std::time::Duration;
 
 use serde::Serialize;
 
 use super::report::grouped;
-use crate::capture::{CaptureDevice, CaptureError, Found, FoundSize, Session, Statistics, Written};
+use crate::capture::{CaptureDevice, CaptureError, Session, Statistics, Written};
 use crate::trace::Created;
 
 /// What came of a capture: the JSON of `--json`.
@@ -193,172 +192,6 @@ impl fmt::Display for DeviceReport {
     }
 }
 
-/// What there is on this machine, why some of it can't be asked, and what to check where there is nothing.
-fn search() -> (Vec<Found>, Vec<CaptureError>, Vec<&'static str>) {
-    let (mut found, mut errors, mut advice) = (Vec::new(), Vec::new(), Vec::new());
-    #[cfg(all(target_os = "linux", target_pointer_width = "64"))]
-    {
-        let (devices, failed) = crate::capture::v4l2::list();
-        if devices.is_empty() {
-            advice.push(crate::capture::v4l2::ADVICE);
-        }
-        found.extend(devices);
-        errors.extend(failed);
-    }
-    #[cfg(not(all(target_os = "linux", target_pointer_width = "64")))]
-    advice.push("V4L2: a part of Linux, on machines of 64 bits");
-    (found, errors, advice)
-}
-
-/// The camera that is taken where none is chosen.
-pub(super) fn first() -> Option<Found> {
-    search().0.into_iter().next()
-}
-
-/// Prints every camera.
-pub(super) fn list(json: bool) -> anyhow::Result<()> {
-    let (found, errors, advice) = search();
-    if json {
-        let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
-        let list = serde_json::json!({ "devices": found, "errors": errors, "advice": advice });
-        println!("{list:#}");
-        return Ok(());
-    }
-    for device in &found {
-        print!("{}", Listed(device));
-    }
-    for error in &errors {
-        println!("{error}");
-    }
-    if found.is_empty() {
-        println!("no capture device found");
-        advice.iter().for_each(|advice| println!("{advice}"));
-    }
-    Ok(())
-}
-
-struct Listed<'a>(&'a Found);
-
-impl fmt::Display for Listed<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(device) = self;
-        writeln!(f, "--{} {}  {} ({})", device.interface, device.id, device.name, device.place)?;
-        for (index, input) in device.inputs.iter().enumerate() {
-            writeln!(f, "  --input {index}  {input}")?;
-        }
-        let mut last: Option<&[FoundSize]> = None;
-        for format in &device.formats {
-            let raw = if format.picture { "" } else { ", raw bytes only" };
-            writeln!(f, "  --format {:7} {}{raw}", format.code, format.name)?;
-            // Most devices offer the same sizes in all formats: once is enough.
-            if last != Some(&format.sizes) {
-                for size in &format.sizes {
-                    writeln!(f, "    {}", ListedSize(size))?;
-                }
-            } else if !format.sizes.is_empty() {
-                writeln!(f, "    as above")?;
-            }
-            last = Some(&format.sizes);
-        }
-        Ok(())
-    }
-}
-
-struct ListedSize<'a>(&'a FoundSize);
-
-impl fmt::Display for ListedSize<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(size) = self;
-        write!(f, "--size {}x{}", size.width, size.height)?;
-        if let Some((width, height)) = size.up_to {
-            write!(f, " up to {width}x{height}")?;
-        }
-        if !size.rates.is_empty() {
-            let rates = size.rates.iter().map(|rate| format!("{rate:.2}"));
-            let rates = rates.map(|rate| rate.trim_end_matches('0').trim_end_matches('.').to_owned());
-            write!(f, "  --rate {}", rates.collect::<Vec<_>>().join(" "))?;
-        }
-        Ok(())
-    }
-}
-
-/// Prints the controls of a V4L2 device, after those that are asked for are set.
-#[cfg(all(target_os = "linux", target_pointer_width = "64"))]
-pub(super) fn list_controls(
-    path: &Path,
-    input: Option<u32>,
-    set: &[(String, String)],
-    json: bool,
-) -> anyhow::Result<()> {
-    use v4l2_capture::ControlKind;
-
-    use crate::capture::v4l2;
-
-    let device = v4l2::open(path)?;
-    if let Some(input) = input {
-        device.set_input(input)?;
-    }
-    for (name, value) in set {
-        v4l2::set_control(&device, name, value)?;
-    }
-    let controls = v4l2::controls(&device)?;
-    if json {
-        let controls: Vec<_> = controls
-            .iter()
-            .map(|(control, value)| {
-                serde_json::json!({
-                    "name": control.name,
-                    "kind": format!("{:?}", control.kind).to_lowercase(),
-                    "minimum": control.minimum,
-                    "maximum": control.maximum,
-                    "step": control.step,
-                    "default": control.default,
-                    "value": value.as_ref().map(ToString::to_string),
-                    "read_only": control.is_read_only(),
-                    "inactive": control.is_inactive(),
-                    "items": control.items.iter().map(|item| (item.value, &item.name)).collect::<Vec<_>>(),
-                })
-            })
-            .collect();
-        println!("{:#}", serde_json::json!({ "device": path, "controls": controls }));
-        return Ok(());
-    }
-    for (control, value) in controls {
-        let value = value.map_or_else(|| "–".to_owned(), |value| value.to_string());
-        let range = match control.kind {
-            ControlKind::Integer | ControlKind::Integer64 => {
-                format!("{} to {}, default {}", control.minimum, control.maximum, control.default)
-            }
-            ControlKind::Boolean => format!("on or off, default {}", control.default),
-            ControlKind::Menu | ControlKind::IntegerMenu => {
-                let items = control.items.iter().map(|item| format!("{} {}", item.value, item.name));
-                items.collect::<Vec<_>>().join(" · ")
-            }
-            ControlKind::Button => "press it by any value".to_owned(),
-            ControlKind::Text => format!("{} to {} characters", control.minimum, control.maximum),
-            ControlKind::Bitmask => format!("bits of {:#x}", control.maximum as u32),
-            ControlKind::Compound(_) => "a structure or an array".to_owned(),
-        };
-        let state = match (control.is_read_only(), control.is_inactive()) {
-            (true, _) => ", read only",
-            (_, true) => ", switched off by another",
-            _ => "",
-        };
-        println!("{:32} {value:>12}   {range}{state}", control.name);
-    }
-    Ok(())
-}
-
-#[cfg(not(all(target_os = "linux", target_pointer_width = "64")))]
-pub(super) fn list_controls(
-    path: &Path,
-    _: Option<u32>,
-    _: &[(String, String)],
-    _: bool,
-) -> anyhow::Result<()> {
-    anyhow::bail!("{}: V4L2 is a part of Linux, on machines of 64 bits", path.display())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -375,45 +208,6 @@ mod tests {
         assert!(
             count("x", &statistics, Duration::ZERO)
                 .ends_with("0.0 a second, 3 lost by the device, 7 dropped here")
-        );
-    }
-
-    #[test]
-    fn a_list_says_how_to_ask_for_what_is_there() {
-        let size =
-            |width, height, up_to, rates: &[f64]| FoundSize { width, height, up_to, rates: rates.to_vec() };
-        let format = |code: &str, picture, sizes: Vec<FoundSize>| crate::capture::FoundFormat {
-            code: code.to_owned(),
-            name: format!("the format {code}"),
-            picture,
-            sizes,
-        };
-        let sizes = vec![size(640, 480, None, &[30.0, 29.97, 7.5]), size(2, 2, Some((64, 64)), &[])];
-        let device = Found {
-            interface: "v4l2",
-            id: "/dev/video0".to_owned(),
-            name: "Webcam".to_owned(),
-            place: "uvcvideo, usb-1".to_owned(),
-            inputs: vec!["Camera".to_owned(), "HDMI".to_owned()],
-            formats: vec![
-                format("YUYV", true, sizes.clone()),
-                format("MJPG", true, sizes),
-                format("H264", false, Vec::new()),
-            ],
-        };
-        assert_eq!(
-            Listed(&device).to_string(),
-            "\
---v4l2 /dev/video0  Webcam (uvcvideo, usb-1)
-  --input 0  Camera
-  --input 1  HDMI
-  --format YUYV    the format YUYV
-    --size 640x480  --rate 30 29.97 7.5
-    --size 2x2 up to 64x64
-  --format MJPG    the format MJPG
-    as above
-  --format H264    the format H264, raw bytes only
-"
         );
     }
 }

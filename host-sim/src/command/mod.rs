@@ -13,7 +13,9 @@
 //! | `campaign` | faults × seeds × profiles, and the joining of shards |
 //! | `process` | a picture file goes through a pipeline |
 //! | `capture` | frames of real cameras, to look at, for the algorithms, as a trace |
-//! | `capture_report` | which cameras there are, and what came of a capture |
+//! | `capture_list` | which cameras there are |
+//! | `capture_controls` | their controls |
+//! | `capture_report` | what came of a capture |
 //! | `stream` | a device on a serial line, for the inspector |
 //! | `showcase` | what the demo makes of its first frame |
 //! | `clock` | the clock as it was recovered, for people and as JSON |
@@ -24,6 +26,8 @@ mod bring_up;
 mod clock;
 mod broken;
 mod capture;
+mod capture_controls;
+mod capture_list;
 mod capture_report;
 mod campaign;
 mod demo;

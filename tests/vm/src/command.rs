@@ -1,8 +1,9 @@
 //! `host-sim` and others as a user runs them.
 
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 
 /// What came of a command.
@@ -22,7 +23,7 @@ impl Finished {
     /// # Panics
     /// If it can't be waited for.
     #[must_use]
-    pub fn of(child: std::process::Child) -> Self {
+    pub fn of(child: Child) -> Self {
         let output = child.wait_with_output().expect("a child can be waited for");
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
         Self { status: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
@@ -78,6 +79,14 @@ pub fn run(program: &str, arguments: &[&str]) -> Finished {
 #[must_use]
 pub fn host_sim(arguments: &[&str]) -> Finished {
     run("host-sim", arguments)
+}
+
+/// Presses Ctrl-C.
+///
+/// # Panics
+/// If the process is not there.
+pub fn interrupt(child: &Child) {
+    kill_process(Pid::from_child(child), Signal::INT).expect("a process can be interrupted");
 }
 
 /// Waits until something is so.

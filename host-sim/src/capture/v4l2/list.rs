@@ -25,6 +25,9 @@ pub fn list() -> (Vec<Found>, Vec<CaptureError>) {
     (found, errors)
 }
 
+/// `V4L2_CAP_IO_MC`
+const MEDIA_CONTROLLED: u32 = 0x2000_0000;
+
 fn describe(device: &Device) -> Result<Found, Error> {
     let capability = device.capability();
     let inputs = device.inputs()?;
@@ -49,6 +52,8 @@ fn describe(device: &Device) -> Result<Found, Error> {
         id: device.path().display().to_string(),
         name: capability.card.clone(),
         place: format!("{}, {}", capability.driver, capability.bus),
+        media_controlled: capability.flags & MEDIA_CONTROLLED != 0,
+        rates: None,
         formats: formats.collect::<Result<_, Error>>()?,
         inputs: if inputs.len() > 1 {
             inputs.into_iter().map(|input| input.name).collect()

@@ -5,7 +5,6 @@ use std::path::Path;
 use v4l2_capture::{Device, Error};
 
 use super::super::error::CaptureError;
-use crate::profile::nearest;
 
 pub(super) fn open_error(path: &Path, error: &Error) -> CaptureError {
     let remedy = if error.is_missing() {
@@ -43,9 +42,5 @@ pub(super) fn unknown<'a>(
     name: &str,
     known: impl Iterator<Item = &'a str> + Clone,
 ) -> CaptureError {
-    // The nearest one first.
-    let first = nearest(name, known.clone());
-    let others = known.filter(|other| Some(*other) != first);
-    let known = first.into_iter().chain(others).collect::<Vec<_>>().join(", ");
-    CaptureError::Unknown { device: device.path().display().to_string(), kind, name: name.to_owned(), known }
+    CaptureError::unknown(&device.path().display().to_string(), kind, name, known)
 }

@@ -8,14 +8,9 @@ use std::process::Stdio;
 use std::time::Duration;
 
 use camif_vm::bars;
-use camif_vm::command::{Finished, command, host_sim, run, wait_until};
-use rustix::process::{Pid, Signal, kill_process};
+use camif_vm::command::{Finished, command, host_sim, interrupt, run, wait_until};
 
 use crate::{ONE, PLANES, SMALL, cameras};
-
-fn interrupt(child: &std::process::Child) {
-    kill_process(Pid::from_child(child), Signal::INT).unwrap();
-}
 
 /// The names in a folder that stand for frames; nothing else may be there.
 fn pictures(folder: &Path) -> Vec<String> {
