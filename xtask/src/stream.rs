@@ -39,9 +39,9 @@ pub(crate) struct Options {
     /// A pseudo-terminal instead of TCP
     #[arg(long)]
     pty: bool,
-    /// The machine
-    #[arg(long, default_value = "an386")]
-    board: Board,
+    /// The machine; an386 if it is not said, and with --check both
+    #[arg(long)]
+    board: Option<Board>,
     /// Receive frames over both and compare them with the scene, instead of waiting for somebody who looks; the inspector
     /// does so too if `CAMIF_INSPECT` names it
     #[arg(long)]
@@ -53,20 +53,22 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
     let images = boards::build(&["mps2".to_owned()])?;
     let image = images.iter().find(|image| image.name == IMAGE).with_context(|| format!("no {IMAGE}"))?;
     if options.check {
-        for serial in [Serial::Tcp(free_port()?), Serial::Pty] {
-            let device = Device::start(options.board, &image.elf, serial, "shift=0,sleep=off")?;
-            let used = check(&device).with_context(|| format!("over {}", device.address))?;
-            let bound =
-                audit::stack_bound(image)?.context("no bound on the stack: see `cargo xtask audit`")?;
-            println!("  {used} bytes of stack used, {bound} at most");
-            ensure!(used <= bound, "more of the stack is used than its bound");
-            inspect(&device.address)?;
+        let bound = audit::stack_bound(image)?.context("no bound on the stack: see `cargo xtask audit`")?;
+        for board in options.board.map_or(Board::ALL.to_vec(), |board| vec![board]) {
+            for serial in [Serial::Tcp(free_port()?), Serial::Pty] {
+                let device = Device::start(board, &image.elf, serial, "shift=0,sleep=off")?;
+                let used = check(&device).with_context(|| format!("{board}, over {}", device.address))?;
+                println!("  {board}: {used} bytes of stack used, {bound} at most");
+                ensure!(used <= bound, "more of the stack is used than its bound");
+                inspect(&device.address)?;
+            }
         }
         return Ok(true);
     }
     let serial = if options.pty { Serial::Pty } else { Serial::Tcp(options.port) };
     // 125 million instructions a second, and idle time as long as it is.
-    let mut device = Device::start(options.board, &image.elf, serial, "shift=3,sleep=on")?;
+    let mut device =
+        Device::start(options.board.unwrap_or(Board::An386), &image.elf, serial, "shift=3,sleep=on")?;
     println!("a camera on {}; look at it with\n    camif-inspect view {0}\nCtrl-C ends it", device.address);
     Ok(device.machine.wait()?.success())
 }
