@@ -1,5 +1,5 @@
-//! VCD text to pin samples, and on through block and driver to frames. Beside them the `vcd` crate's reader, and a loop
-//! that only looks at every byte.
+//! VCD text to pin samples, and on through block and driver to frames. Beside them the readers of the crates `vcd` and
+//! `wellen`, and a loop that only looks at every byte.
 //!
 //! `cargo bench -p host-sim --bench vcd` prints the throughput of file text.
 
@@ -118,6 +118,15 @@ fn vcd_crate(text: &[u8]) -> u64 {
     parser.map(|command| u64::from(matches!(command.unwrap(), vcd::Command::ChangeScalar(..)))).sum()
 }
 
+/// The waves of all signals, on one thread. The copy of the text that it wants for itself costs little beside.
+fn wellen(text: &[u8]) -> u64 {
+    let text = std::io::Cursor::new(text.to_vec());
+    let options = wellen::LoadOptions { multi_thread: false, ..wellen::LoadOptions::default() };
+    let header = wellen::viewers::read_header(text, &options).unwrap();
+    let body = wellen::viewers::read_body(header.body, &header.hierarchy, None).unwrap();
+    body.time_table.len() as u64
+}
+
 fn byte_loop(text: &[u8]) -> u64 {
     text.iter().fold(0_u64, |hash, &byte| hash.rotate_left(5) ^ u64::from(byte))
 }
@@ -137,6 +146,7 @@ fn read_vcd(criterion: &mut Criterion) {
         bench(&mut group, name, text, ours);
     }
     bench(&mut group, "wires, by the vcd crate (parsing only)", &wires, vcd_crate);
+    bench(&mut group, "wires, by wellen (waves in memory)", &wires, wellen);
     bench(&mut group, "wires, looking at every byte", &wires, byte_loop);
     group.finish();
 }

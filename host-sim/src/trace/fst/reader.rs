@@ -1,4 +1,11 @@
 //! An FST file as levels: a section at a time, the chains of the wanted signals merged in time.
+//!
+//! ```text
+//! index of the time   0   1   2   3   4   5        a window of the section's table of times
+//! chain of PCLK       1   0   1   0   1   0        each chain is followed through the window alone,
+//! chain of D0         0           1                and leaves what it sets and clears at its times;
+//! edits               ↓   ↓   ↓   ↓   ↓   ↓        then the window is played
+//! ```
 
 use std::io::{Read, Seek};
 
@@ -31,9 +38,19 @@ struct Wanted {
 struct Lane<'a> {
     wanted: &'a Wanted,
     bytes: Bytes<'a>,
-    /// Index of the next change's time.
-    next: Option<usize>,
+    /// The next change: the index of its time, and the number that begins it.
+    next: Option<(usize, u64)>,
 }
+
+/// What changes at a time: bits of the state that are cleared, then bits that are set.
+#[derive(Clone, Copy, Default)]
+struct Edit {
+    clear: u64,
+    set: u64,
+}
+
+/// Times that are merged at once; their edits stay in a core's cache.
+const WINDOW: usize = 1 << 13;
 
 impl<R: Read + Seek> FstFile<R> {
     /// Reads geometry and hierarchy.
@@ -68,6 +85,7 @@ impl<R: Read + Seek> FstFile<R> {
         let handles: Vec<usize> = wanted.iter().map(|wanted| wanted.handle).collect();
         let watched = sink.watched();
         let (mut played, mut state, mut told) = (LevelsPlayed::default(), 0, None);
+        let mut edits = vec![Edit::default(); WINDOW];
         for place in self.contents.sections.clone() {
             let wrong = |problem| PlayError::Trace(block(place.offset, problem));
             let section = section::read(&mut self.file, place, self.contents.widths.len(), &handles);
@@ -76,12 +94,13 @@ impl<R: Read + Seek> FstFile<R> {
                 for wanted in &wanted {
                     let bits = section.frame.get(wanted.frame_at..wanted.frame_at + wanted.width as usize);
                     let bits = bits.ok_or_else(|| wrong(FstProblem::Wrong("frame")))?;
-                    set(
-                        &mut state,
+                    let mut begun = Edit::default();
+                    begun.value(
                         wanted,
-                        &|bit| level(bits[bits.len() - 1 - bit as usize]),
+                        |bit| level(bits[bits.len() - 1 - bit as usize]),
                         &mut played.unknown,
                     );
+                    state = state & !begun.clear | begun.set;
                 }
                 // Changes at the very beginning belong to how the signals stand.
                 if section.times.first().is_none_or(|&first| first > section.begin) {
@@ -96,25 +115,29 @@ impl<R: Read + Seek> FstFile<R> {
                 lane.advance(0).map_err(wrong)?;
                 lanes.push(lane);
             }
-            while let Some(now) = lanes.iter().filter_map(|lane| lane.next).min() {
-                let time = *section.times.get(now).ok_or_else(|| wrong(FstProblem::Wrong("chain")))?;
-                if time < played.end {
-                    return Err(wrong(FstProblem::Backwards { from: played.end, to: time }));
+            for (number, times) in section.times.chunks(WINDOW).enumerate() {
+                let edits = edits.get_mut(..times.len()).unwrap_or_default();
+                edits.fill(Edit::default());
+                for lane in &mut lanes {
+                    lane.follow(number * WINDOW, edits, &mut played.unknown).map_err(wrong)?;
                 }
-                for lane in lanes.iter_mut().filter(|lane| lane.next == Some(now)) {
-                    lane.take(&mut state, &mut played.unknown).map_err(wrong)?;
-                    lane.advance(now).map_err(wrong)?;
-                    // Several values at one time: the last one counts.
-                    while lane.next == Some(now) {
-                        lane.take(&mut state, &mut played.unknown).map_err(wrong)?;
-                        lane.advance(now).map_err(wrong)?;
+                for (&time, edit) in times.iter().zip(&*edits) {
+                    if edit.clear | edit.set == 0 {
+                        continue;
+                    }
+                    if time < played.end {
+                        return Err(wrong(FstProblem::Backwards { from: played.end, to: time }));
+                    }
+                    state = state & !edit.clear | edit.set;
+                    played.end = time;
+                    if told.is_none_or(|told: u64| (told ^ state) & watched != 0) {
+                        sink.levels(time, state).map_err(PlayError::Sink)?;
+                        told = Some(state);
                     }
                 }
-                played.end = time;
-                if told.is_none_or(|told: u64| (told ^ state) & watched != 0) {
-                    sink.levels(time, state).map_err(PlayError::Sink)?;
-                    told = Some(state);
-                }
+            }
+            if lanes.iter().any(|lane| lane.next.is_some()) {
+                return Err(wrong(FstProblem::Wrong("chain")));
             }
             progress(place.offset + place.length);
         }
@@ -152,46 +175,62 @@ fn level(character: u8) -> Option<bool> {
     }
 }
 
-/// Sets the state's bits of a signal.
-#[inline]
-fn set(state: &mut u64, wanted: &Wanted, bit: &dyn Fn(u32) -> Option<bool>, unknown: &mut u64) {
-    for &(place, bits) in &wanted.taps {
-        let found = bit(place);
-        *unknown += u64::from(found.is_none());
-        *state = if found.unwrap_or(false) { *state | bits } else { *state & !bits };
+impl Edit {
+    /// A signal has these bits; of several values at one time the last one counts.
+    #[inline]
+    fn value(&mut self, wanted: &Wanted, bit: impl Fn(u32) -> Option<bool>, unknown: &mut u64) {
+        for &(place, bits) in &wanted.taps {
+            let found = bit(place);
+            *unknown += u64::from(found.is_none());
+            if found.unwrap_or(false) {
+                self.set |= bits;
+            } else {
+                self.set &= !bits;
+                self.clear |= bits;
+            }
+        }
     }
 }
 
 impl Lane<'_> {
-    /// Looks at how far ahead of the time with index `now` the next change is.
+    /// Takes the changes at the times of a window, which begins at this index.
+    fn follow(&mut self, first: usize, window: &mut [Edit], unknown: &mut u64) -> Result<(), FstProblem> {
+        while let Some((next, number)) = self.next {
+            let Some(edit) = window.get_mut(next - first) else { break };
+            self.take(number, edit, unknown)?;
+            self.advance(next)?;
+        }
+        Ok(())
+    }
+
+    /// Reads how far ahead of the time with index `now` the next change is.
     #[inline]
     fn advance(&mut self, now: usize) -> Result<(), FstProblem> {
         if self.bytes.is_empty() {
             self.next = None;
             return Ok(());
         }
-        let number = { self.bytes }.number()?;
+        let number = self.bytes.number()?;
         let ahead = match (self.wanted.width, number & 1) {
             (1, 0) => number >> 2,
             (1, _) => number >> 4,
             _ => number >> 1,
         };
         let next = usize::try_from(ahead).ok().and_then(|ahead| now.checked_add(ahead));
-        self.next = Some(next.ok_or(FstProblem::Wrong("chain"))?);
+        self.next = Some((next.ok_or(FstProblem::Wrong("chain"))?, number));
         Ok(())
     }
 
-    /// Takes the change that [`advance`](Self::advance) looked at.
+    /// Takes the change that begins with `number`.
     #[inline]
-    fn take(&mut self, state: &mut u64, unknown: &mut u64) -> Result<(), FstProblem> {
-        let number = self.bytes.number()?;
+    fn take(&mut self, number: u64, edit: &mut Edit, unknown: &mut u64) -> Result<(), FstProblem> {
         let wanted = self.wanted;
         if wanted.width == 1 {
             let character = match number & 1 {
                 0 => b'0' + (number >> 1 & 1) as u8,
                 _ => b"xzhuwl-?"[(number >> 1 & 7) as usize],
             };
-            set(state, wanted, &|_| level(character), unknown);
+            edit.value(wanted, |_| level(character), unknown);
             return Ok(());
         }
         let width = wanted.width as usize;
@@ -202,10 +241,10 @@ impl Lane<'_> {
                 let at = width - 1 - bit as usize;
                 Some(bytes[at / 8] >> (7 - at % 8) & 1 == 1)
             };
-            set(state, wanted, &bit, unknown);
+            edit.value(wanted, bit, unknown);
         } else {
             let bits = self.bytes.take(width)?;
-            set(state, wanted, &|bit| level(bits[width - 1 - bit as usize]), unknown);
+            edit.value(wanted, |bit| level(bits[width - 1 - bit as usize]), unknown);
         }
         Ok(())
     }

@@ -24,11 +24,22 @@ pub struct BinaryExport {
     bytes: u64,
 }
 
-/// A channel on its way: the next change, in units of time.
+/// A channel on its way.
 struct Lane<'a> {
     channel: &'a mut Channel,
     bits: u64,
-    next: Option<(u64, Change)>,
+    /// Its next change, whose time is kept with those of the other lanes.
+    change: Change,
+}
+
+/// The time of the next change of a lane that has none.
+const NEVER: u64 = u64::MAX;
+
+/// The nearest unit of time; halves go up. (`f64::round` is a call where the processor's base has no instruction for it.)
+#[inline]
+fn nearest(ticks: f64) -> u64 {
+    let whole = (ticks as u64).min(NEVER - 1);
+    (whole + u64::from(ticks - whole as f64 >= 0.5)).min(NEVER - 1)
 }
 
 impl BinaryExport {
@@ -93,11 +104,11 @@ impl BinaryExport {
         progress: &mut dyn FnMut(u64),
     ) -> Result<LevelsPlayed, PlayError<SaleaeError, S::Error>> {
         let begin = self.channels.iter().map(|channel| channel.begin).fold(f64::INFINITY, f64::min);
-        let ticks = |seconds: f64| ((seconds - begin) * TICKS).round() as u64;
+        let ticks = |seconds: f64| nearest((seconds - begin) * TICKS);
         let end = self.channels.iter().map(|channel| ticks(channel.end)).max().unwrap_or(0);
         let watched = sink.watched();
         let mut state = 0;
-        let mut lanes = Vec::new();
+        let (mut lanes, mut times) = (Vec::new(), Vec::new());
         for (signal, channel) in self.channels.iter_mut().enumerate() {
             let bits =
                 wires.iter().filter(|(tap, _)| tap.signal == signal).fold(0, |all, (_, bits)| all | bits);
@@ -105,23 +116,30 @@ impl BinaryExport {
                 continue;
             }
             state |= if channel.initial { bits } else { 0 };
-            let next =
-                channel.next().map_err(PlayError::Trace)?.map(|change| (ticks(change.seconds), change));
-            lanes.push(Lane { channel, bits, next });
+            if let Some(change) = channel.next().map_err(PlayError::Trace)? {
+                times.push(ticks(change.seconds));
+                lanes.push(Lane { channel, bits, change });
+            }
         }
         let mut played = LevelsPlayed { end, unknown: 0 };
         sink.levels(0, state).map_err(PlayError::Sink)?;
         let mut told = state;
         for step in 0_u64.. {
-            let times = lanes.iter().filter_map(|lane| lane.next.map(|(time, _)| time));
-            let Some(now) = times.min() else { break };
-            for lane in &mut lanes {
-                while let Some((time, change)) = lane.next.filter(|(time, _)| *time == now) {
-                    debug_assert_eq!(time, now);
-                    state = if change.high { state | lane.bits } else { state & !lane.bits };
-                    played.unknown += u64::from(change.after_gap);
-                    let next = lane.channel.next().map_err(PlayError::Trace)?;
-                    lane.next = next.map(|change| (ticks(change.seconds), change));
+            let now = times.iter().fold(NEVER, |least, &time| least.min(time));
+            if now == NEVER {
+                break;
+            }
+            for (lane, time) in lanes.iter_mut().zip(&mut times) {
+                while *time == now {
+                    state = if lane.change.high { state | lane.bits } else { state & !lane.bits };
+                    played.unknown += u64::from(lane.change.after_gap);
+                    *time = match lane.channel.next().map_err(PlayError::Trace)? {
+                        Some(change) => {
+                            lane.change = change;
+                            ticks(change.seconds)
+                        }
+                        None => NEVER,
+                    };
                 }
             }
             if (state ^ told) & watched != 0 {
@@ -163,4 +181,19 @@ pub(super) fn files(folder: &Path) -> Result<Vec<PathBuf>, SaleaeError> {
 fn number(path: &Path) -> Option<u32> {
     let name = path.file_name()?.to_str()?.to_ascii_lowercase();
     name.strip_prefix("digital_")?.strip_suffix(".bin")?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NEVER, nearest};
+
+    #[test]
+    fn the_nearest_unit_is_that_of_round() {
+        let odd = [0.0, 0.49999999999999994, 0.5, 1.5, 2.5, 4503599627370497.0, 9007199254740991.0, 1e19];
+        for ticks in odd.into_iter().chain((0..1000).map(|step| f64::from(step) * 1.37e9 / 7.0)) {
+            assert_eq!(nearest(ticks), ticks.round() as u64, "{ticks}");
+        }
+        assert_eq!(nearest(2e19), NEVER - 1);
+        assert_eq!(nearest(-1.0), 0);
+    }
 }

@@ -103,6 +103,7 @@ impl<R: Read> Channel<R> {
     }
 
     /// A time, which must be a number and not before the last one.
+    #[inline]
     fn time(&mut self) -> Result<f64, SaleaeError> {
         let seconds = f64::from_le_bytes(self.take()?);
         let at = self.offset - 8;
@@ -145,6 +146,7 @@ impl<R: Read> Channel<R> {
     }
 
     /// The next change; nothing at the end of the file.
+    #[inline]
     pub(super) fn next(&mut self) -> Result<Option<Change>, SaleaeError> {
         if self.changes > 0 {
             self.changes -= 1;
