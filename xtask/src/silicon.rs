@@ -40,7 +40,7 @@ const CHIPS: &[Chip] = &[
         statics: 0x2000_0000..0x2002_0000,
         frames: 0x2400_0000..0x2408_0000,
         frame_bytes: 3 * 320 * 240 * 2,
-        handlers: &[("DCMI", 78), ("DMA2_STREAM0", 56)],
+        handlers: &[("DCMI", 78), ("DMA2_STREAM0", 56), ("USART3", 39)],
     },
     Chip {
         package: "stm32f429",
@@ -49,7 +49,7 @@ const CHIPS: &[Chip] = &[
         statics: 0x2000_0000..0x2003_0000,
         frames: 0x2000_0000..0x2003_0000,
         frame_bytes: 320 * 240 * 2,
-        handlers: &[("DCMI", 78), ("DMA2_STREAM1", 57)],
+        handlers: &[("DCMI", 78), ("DMA2_STREAM1", 57), ("USART3", 39)],
     },
 ];
 

@@ -12,8 +12,11 @@
 //! | [`stream`] | the registers of a DMA stream, as numbers |
 //! | [`silicon`] | [`Silicon`](silicon::Silicon): reads and writes; [`Mmio`](silicon::Mmio) does them |
 //! | [`port`] | [`DcmiPort`](port::DcmiPort): the seam |
-//! | [`output`] | [`Output`](output::Output): captured frames on a serial line |
-//! | `image` | what the images of all boards do: frame memory, ticks, bring-up, capture, logs (feature `image`) |
+//! | [`stages`] | [`Stages`](stages::Stages): the pipelines that the device can run, from text and back |
+//! | [`device`] | [`BoardDevice`](device::BoardDevice): what the link's commands do |
+//! | [`station`] | [`Station`](station::Station): the board's end of the serial line |
+//! | [`capture`] | [`Bench`](capture::Bench): frames out, commands in |
+//! | `image` | what the images of all boards do: frame memory, ticks, bring-up, logs (feature `image`) |
 //!
 //! # Who owns the memory, and when
 //! A buffer that is lent is the DMA's: it is kept as an address, so that no reference to it is alive. Three orderings make that
@@ -34,6 +37,9 @@ pub mod chip;
 pub mod stream;
 pub mod silicon;
 pub mod port;
-pub mod output;
+pub mod stages;
+pub mod device;
+pub mod station;
+pub mod capture;
 #[cfg(feature = "image")]
 pub mod image;

@@ -7,17 +7,19 @@ use cortex_m::peripheral::NVIC;
 use embassy_stm32::gpio::{AfType, AnyPin, Flex, Level, Output, Pull, Speed};
 use embassy_stm32::i2c::{self, I2c, Master};
 use embassy_stm32::mode::Blocking;
-use embassy_stm32::peripherals::DCMI;
+use embassy_stm32::peripherals::{DCMI, USART3};
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Mco, Mco1Source, McoConfig, McoPrescaler, Pll, PllMul, PllPDiv, PllPreDiv,
     PllSource, Sysclk,
 };
 use embassy_stm32::time::Hertz;
-use embassy_stm32::usart::{self, UartTx};
-use embassy_stm32::{Config, Peri, dcmi, pac};
+use embassy_stm32::usart::{self, BufferedUart, BufferedUartRx, BufferedUartTx};
+use embassy_stm32::{Config, Peri, bind_interrupts, dcmi, pac};
 use embassy_time::Duration;
 use firmware::driver::config::Policy;
+use static_cell::ConstStaticCell;
 use stm32::chip::STM32F429;
+use stm32::device::Window;
 use stm32::image::application::Board;
 use stm32::image::memory::FrameMemory;
 use stm32::port::DcmiPort;
@@ -42,9 +44,22 @@ pub static MEMORY: FrameMemory<FRAME_WORDS, FRAMES> = FrameMemory::new();
 /// Bits a second on USART3, whose wires are those of the ST-LINK's virtual COM port.
 pub const BAUD: u32 = 921_600;
 
+/// Bytes that wait to leave, and commands that wait to be read: a frame's line, and the largest command twice.
+const OUT: usize = 1_024;
+const IN: usize = 1_024;
+
+bind_interrupts!(struct Interrupts {
+    USART3 => usart::BufferedInterruptHandler<USART3>;
+});
+
 /// A sensor's pins and bus, and the serial line.
-pub type Sensor =
-    Board<I2c<'static, Blocking, Master>, Output<'static>, Output<'static>, UartTx<'static, Blocking>>;
+pub type Sensor = Board<
+    I2c<'static, Blocking, Master>,
+    Output<'static>,
+    Output<'static>,
+    BufferedUartTx<'static>,
+    BufferedUartRx<'static>,
+>;
 
 /// Starts the clocks: HSI by the PLL to 120 MHz, of which a fifth is the sensor's. The core could do 180 MHz, of which no
 /// divider of MCO1 makes 24.
@@ -111,8 +126,12 @@ pub fn init() -> (Sensor, DcmiPort<'static, Mmio>) {
     let i2c = I2c::new_blocking(p.I2C1, p.PB8, p.PB9, bus);
     let mut line = usart::Config::default();
     line.baudrate = BAUD;
-    let serial = UartTx::new_blocking(p.USART3, p.PD8, line);
+    static OUTGOING: ConstStaticCell<[u8; OUT]> = ConstStaticCell::new([0; OUT]);
+    static INCOMING: ConstStaticCell<[u8; IN]> = ConstStaticCell::new([0; IN]);
+    let (outgoing, incoming) = (OUTGOING.take(), INCOMING.take());
+    let serial = BufferedUart::new(p.USART3, p.PD9, p.PD8, outgoing, incoming, Interrupts, line);
     let Ok(serial) = serial else { unreachable!("the divider for this rate fits") };
+    let (serial, commands) = serial.split();
     let sensor = Board {
         i2c,
         reset: Output::new(p.PD15, Level::Low, Speed::Low),
@@ -121,6 +140,12 @@ pub fn init() -> (Sensor, DcmiPort<'static, Mmio>) {
         hclk_hz: HCLK_HZ,
         policy: Policy::Snapshot,
         serial,
+        commands,
+        // SAFETY: as below, but for DCMI's registers alone, of which none says where the DMA writes. The driver and a host
+        // that pokes them may disagree about what is captured, and never about memory.
+        registers: Window::new(unsafe { Mmio::new() }, &STM32F429),
+        name: concat!("camif ", env!("CARGO_PKG_VERSION"), " on F429"),
+        baud: BAUD,
     };
     // SAFETY: this is an STM32F429 as its reset and the clocks above prove; DCMI and DMA2 are clocked; embassy's drivers for
     // them are not used, and `init` takes the peripherals, so it does not come here twice.

@@ -9,17 +9,19 @@ use cortex_m::peripheral::{CPUID, MPU, NVIC, SCB};
 use embassy_stm32::gpio::{AfType, AnyPin, Flex, Level, Output, Pull, Speed};
 use embassy_stm32::i2c::{self, I2c, Master};
 use embassy_stm32::mode::Blocking;
-use embassy_stm32::peripherals::DCMI;
+use embassy_stm32::peripherals::{DCMI, USART3};
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, HSIPrescaler, Mco, Mco1Source, McoConfig, McoPrescaler, Pll, PllDiv, PllMul,
     PllPreDiv, PllSource, Sysclk, VoltageScale,
 };
 use embassy_stm32::time::Hertz;
-use embassy_stm32::usart::{self, UartTx};
-use embassy_stm32::{Config, Peri, dcmi, pac};
+use embassy_stm32::usart::{self, BufferedUart, BufferedUartRx, BufferedUartTx};
+use embassy_stm32::{Config, Peri, bind_interrupts, dcmi, pac};
 use embassy_time::Duration;
 use firmware::driver::config::Policy;
+use static_cell::ConstStaticCell;
 use stm32::chip::STM32H743;
+use stm32::device::Window;
 use stm32::image::application::Board;
 use stm32::image::memory::FrameMemory;
 use stm32::port::DcmiPort;
@@ -49,9 +51,22 @@ const AXI_SIZE: u32 = 18;
 /// Bits a second on USART3, whose wires are those of the ST-LINK's virtual COM port.
 pub const BAUD: u32 = 921_600;
 
+/// Bytes that wait to leave, and commands that wait to be read: a frame's line, and the largest command twice.
+const OUT: usize = 1_024;
+const IN: usize = 1_024;
+
+bind_interrupts!(struct Interrupts {
+    USART3 => usart::BufferedInterruptHandler<USART3>;
+});
+
 /// A sensor's pins and bus, and the serial line.
-pub type Sensor =
-    Board<I2c<'static, Blocking, Master>, Output<'static>, Output<'static>, UartTx<'static, Blocking>>;
+pub type Sensor = Board<
+    I2c<'static, Blocking, Master>,
+    Output<'static>,
+    Output<'static>,
+    BufferedUartTx<'static>,
+    BufferedUartRx<'static>,
+>;
 
 /// Starts the clocks: HSI by PLL1 to 400 MHz, half of it for the buses; HSI48 for the sensor.
 fn clocks() -> Config {
@@ -124,8 +139,12 @@ pub fn init(mpu: &mut MPU, scb: &mut SCB, cpuid: &mut CPUID) -> (Sensor, DcmiPor
     let i2c = I2c::new_blocking(p.I2C1, p.PB8, p.PB9, bus);
     let mut line = usart::Config::default();
     line.baudrate = BAUD;
-    let serial = UartTx::new_blocking(p.USART3, p.PD8, line);
+    static OUTGOING: ConstStaticCell<[u8; OUT]> = ConstStaticCell::new([0; OUT]);
+    static INCOMING: ConstStaticCell<[u8; IN]> = ConstStaticCell::new([0; IN]);
+    let (outgoing, incoming) = (OUTGOING.take(), INCOMING.take());
+    let serial = BufferedUart::new(p.USART3, p.PD9, p.PD8, outgoing, incoming, Interrupts, line);
     let Ok(serial) = serial else { unreachable!("the divider for this rate fits") };
+    let (serial, commands) = serial.split();
     let sensor = Board {
         i2c,
         reset: Output::new(p.PD15, Level::Low, Speed::Low),
@@ -134,6 +153,12 @@ pub fn init(mpu: &mut MPU, scb: &mut SCB, cpuid: &mut CPUID) -> (Sensor, DcmiPor
         hclk_hz: HCLK_HZ,
         policy: Policy::NewestWins,
         serial,
+        commands,
+        // SAFETY: as below, but for DCMI's registers alone, of which none says where the DMA writes. The driver and a host
+        // that pokes them may disagree about what is captured, and never about memory.
+        registers: Window::new(unsafe { Mmio::new() }, &STM32H743),
+        name: concat!("camif ", env!("CARGO_PKG_VERSION"), " on H743"),
+        baud: BAUD,
     };
     // SAFETY: this is an STM32H743 as its reset and the clocks above prove; DCMI and DMA2 are clocked; embassy's drivers for
     // them are not used, and `init` takes the peripherals, so it does not come here twice.

@@ -29,6 +29,27 @@ fn SysTick() {
     MILLISECONDS.store(now().wrapping_add(1), Ordering::Relaxed);
 }
 
+/// The time on the link: SysTick's milliseconds, in microseconds, without its wrap.
+#[derive(Debug, Default)]
+pub struct Clock {
+    last: u32,
+    wrapped: u64,
+}
+
+impl crate::capture::Time for Clock {
+    fn now(&mut self) -> u64 {
+        let now = now();
+        self.wrapped += u64::from(now < self.last);
+        self.last = now;
+        ((self.wrapped << 32) + u64::from(now)) * 1_000
+    }
+
+    fn sleep(&mut self) -> u64 {
+        cortex_m::asm::wfi();
+        self.now()
+    }
+}
+
 /// Waits whole milliseconds, rounded up; asleep but for the ticks.
 pub struct Delay;
 

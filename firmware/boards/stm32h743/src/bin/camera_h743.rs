@@ -1,4 +1,4 @@
-//! Finds the sensor, captures QVGA frames and says what came of each.
+//! Finds the sensor, captures QVGA frames, sends them and what the stages make of them, and does what the link asks for.
 #![no_std]
 #![no_main]
 
@@ -10,8 +10,11 @@ use defmt_rtt as _;
 use embassy_stm32::pac::interrupt;
 use firmware::driver::FrameCamera;
 use panic_probe as _;
+use static_cell::ConstStaticCell;
+use stm32::image::application::{self, STAGES};
 use stm32::image::serve::{self, Camera};
-use stm32::image::{application, ticks};
+use stm32::image::ticks;
+use stm32::station::Memory;
 use stm32h743::{CORE_HZ, FRAMES, MEMORY};
 
 #[interrupt]
@@ -26,6 +29,8 @@ fn DMA2_STREAM0() {
 
 #[entry]
 fn main() -> ! {
+    static LINE: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
+    static VISION: ConstStaticCell<[u32; STAGES]> = ConstStaticCell::new([0; STAGES]);
     static mut CAMERA: MaybeUninit<Camera<FRAMES>> = MaybeUninit::uninit();
     let Some(mut core) = Peripherals::take() else { unreachable!("the program starts once") };
     let (board, port) = stm32h743::init(&mut core.MPU, &mut core.SCB, &mut core.CPUID);
@@ -35,5 +40,5 @@ fn main() -> ! {
     let Ok(camera) = FrameCamera::new(port, frames) else { unreachable!("a new port holds no memory") };
     let camera = CAMERA.write(camera);
     stm32h743::unmask();
-    application::run(board, camera)
+    application::run(board, camera, LINE.take(), VISION.take())
 }
