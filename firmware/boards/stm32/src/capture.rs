@@ -44,8 +44,6 @@ pub struct Bench<'b, 'm, W, R, Q, X> {
     pub device: &'b mut BoardDevice<Q, X>,
     /// Number on the link of the first frame since capture was started last.
     base: u32,
-    /// Number of the next frame.
-    next: u32,
 }
 
 impl<'b, 'm, W, R, Q, X> Bench<'b, 'm, W, R, Q, X>
@@ -57,7 +55,7 @@ where
 {
     /// Nothing captured yet.
     pub fn new(station: &'b mut Station<'m, W, R>, device: &'b mut BoardDevice<Q, X>) -> Self {
-        Self { station, device, base: 0, next: 0 }
+        Self { station, device, base: 0 }
     }
 
     /// Captures frames of this mode and sends them. `memory` is of [`Stages::memory`](crate::stages::Stages::memory) words for its size.
@@ -101,7 +99,7 @@ where
                     } else if let Err(refusal) = camera.start(config) {
                         return Ended::Refused(refusal);
                     }
-                    (running, waiting, self.base) = (!running, None, self.next);
+                    (running, waiting, self.base) = (!running, None, self.station.next);
                 }
                 if !running {
                     continue;
@@ -119,7 +117,7 @@ where
                     let frame = held.insert(frame);
                     let verdict = *frame.verdict();
                     let sequence = self.base.wrapping_add(verdict.sequence);
-                    self.next = sequence.wrapping_add(1);
+                    self.station.next = sequence.wrapping_add(1);
                     self.device.held = Some((sequence, mode.height as u16));
                     let _ = self.send(mode, frame.bytes(), &verdict, (sequence, now), &mut pipeline, time);
                     self.count();

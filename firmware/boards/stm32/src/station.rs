@@ -69,6 +69,8 @@ pub struct Station<'m, W, R> {
     identity: Identity,
     heartbeat_at: u64,
     streams_at: u64,
+    /// The number of the next frame: none comes twice in a session, however often capture is started.
+    pub(crate) next: u32,
 }
 
 /// What the line says when it takes nothing.
@@ -85,6 +87,7 @@ impl<'m, W: Write, R: FnMut(&mut [u8]) -> usize> Station<'m, W, R> {
             identity,
             heartbeat_at: 0,
             streams_at: 0,
+            next: 0,
         }
     }
 

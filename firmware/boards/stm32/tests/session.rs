@@ -9,6 +9,7 @@ use firmware::camif::pins::{Samples, Sync};
 use firmware::camif::{Bus, Camif, Part};
 use firmware::driver::FrameCamera;
 use firmware::driver::config::Policy;
+use firmware::driver::deadline::Cause;
 use firmware::link::packet::{Command, Packet, State, Status};
 use firmware::link::{
     Assembler, BODY_MAX, Framer, Inbox, Received, Request, Resend, marks_words, picture_bytes, small_table,
@@ -49,6 +50,8 @@ struct World<'a, F: Fn()> {
     lines: u64,
     script: Script,
     asked: usize,
+    /// The sensor falls silent after so many lines.
+    silent: u64,
     incoming: &'a RefCell<VecDeque<u8>>,
 }
 
@@ -82,6 +85,10 @@ impl<F: Fn()> Time for World<'_, F> {
             let wire = Packet::Command(command).frame(&mut framer).unwrap();
             self.incoming.borrow_mut().extend(wire);
             self.asked += 1;
+        }
+        if self.lines >= self.silent {
+            self.lines += 1;
+            return self.now();
         }
         // The OV7670's levels: HREF is high over data, VSYNC between frames.
         let (line, number) = (self.lines as usize % HEIGHT, self.lines as usize / HEIGHT);
@@ -126,6 +133,11 @@ struct Heard {
 }
 
 fn session<const N: usize>(script: Script, policy: Policy) -> Heard {
+    session_until::<N>(script, policy, u64::MAX)
+}
+
+/// The same with a sensor that falls silent after so many lines.
+fn session_until<const N: usize>(script: Script, policy: Policy, silent: u64) -> Heard {
     let model: &'static Model = &OV7670;
     let mode = modes(model).next().unwrap();
     let mut config = mode.capture(24_000_000);
@@ -153,6 +165,7 @@ fn session<const N: usize>(script: Script, policy: Policy) -> Heard {
         lines: 0,
         script,
         asked: 0,
+        silent,
         incoming: &incoming,
     };
     let mut stages = vec![0; Stages::memory(WIDTH, HEIGHT)];
@@ -300,7 +313,7 @@ fn it_stops_takes_snapshots_and_sends_lines_again() {
     let sent: Vec<Vec<u8>> = (0..9).map(picture).collect();
     let numbers: Vec<usize> =
         frames.iter().map(|(_, bytes)| sent.iter().position(|sent| sent == bytes).unwrap()).collect();
-    assert_eq!(numbers, [0, 1, 4, 5], "two, and after the stop the next two whole ones");
+    assert_eq!(numbers, [1, 4, 5], "the first whole one, and after the stop the next two");
     assert!(frames.is_sorted_by_key(|frame| frame.0), "no number comes twice");
     assert_eq!((doubled, heard.state), (3, State::Stopped));
     let replies = heard.replies();
@@ -312,7 +325,7 @@ fn it_stops_takes_snapshots_and_sends_lines_again() {
     // With one buffer frames are asked for, and the last one is held as long as none is wanted.
     let heard = session::<1>(std::mem::take(&mut script), Policy::Snapshot);
     let (frames, doubled) = heard.frames(RAW);
-    assert!(frames.len() >= 4 && frames.iter().all(|(_, bytes)| sent.contains(bytes)));
+    assert!(frames.len() >= 3 && frames.iter().all(|(_, bytes)| sent.contains(bytes)));
     assert_eq!((heard.state, heard.replies()[0].1), (State::Stopped, Status::Done));
     assert!(doubled == 3 || heard.replies()[1].1 == Status::Gone);
 }
@@ -373,7 +386,10 @@ fn registers_and_parameters_are_read_and_written() {
 
 #[test]
 fn a_sensor_that_stops_is_told_by_its_cause() {
-    // No frame is whole within the deadline.
-    let heard = session::<3>(vec![(3, Request::Set(0, 50)), end(u64::MAX)], Policy::NewestWins);
-    assert!(matches!(heard.ended, Ended::Timeout(_)), "{:?}", heard.ended);
+    let script = vec![(3, Request::Set(0, 100)), end(u64::MAX)];
+    let heard = session_until::<3>(script, Policy::NewestWins, FRAME * 5 / 2);
+    let Ended::Timeout(timeout) = &heard.ended else { panic!("{:?}", heard.ended) };
+    assert!(matches!(timeout.cause, Cause::Unfinished { .. }), "{timeout}");
+    let waited = (heard.lines - FRAME * 5 / 2) / 10;
+    assert!((70..=101).contains(&waited), "the deadline that was set: {waited} ms");
 }
