@@ -124,6 +124,11 @@ impl<R: Registers, X: SensorRegisters> BoardDevice<R, X> {
         }
     }
 
+    /// The sensor, after which the device is called on the line.
+    pub fn model(&self) -> &'static Model {
+        self.model
+    }
+
     /// The mode that is wanted.
     pub fn mode(&self) -> Option<&'static Mode> {
         modes(self.model).nth(usize::try_from(self.mode).unwrap_or(0))

@@ -50,8 +50,6 @@ impl Default for Memory {
 /// Who this is.
 #[derive(Clone, Copy, Debug)]
 pub struct Identity {
-    /// Board and program, for people.
-    pub name: &'static str,
     /// Another number after every start.
     pub session: u32,
     /// Rate of the line.
@@ -152,7 +150,7 @@ impl<'m, W: Write, R: FnMut(&mut [u8]) -> usize> Station<'m, W, R> {
             commands: ALL_COMMANDS,
             encodings: encodings.iter().fold(0, |bits, encoding| bits | 1 << encoding.code()),
             session: self.identity.session,
-            name: self.identity.name,
+            name: device.model().name,
         }))?;
         self.streams(device, u32::MAX)
     }

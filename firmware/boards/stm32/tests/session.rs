@@ -154,7 +154,7 @@ fn session_until<const N: usize>(script: Script, policy: Policy, silent: u64) ->
         bytes.iter_mut().zip(incoming.drain(..count)).for_each(|(to, from)| *to = from);
         count
     };
-    let identity = Identity { name: "test", session: 7, baud: 921_600 };
+    let identity = Identity { session: 7, baud: 921_600 };
     let mut station = Station::new(&mut wire, receive, &mut memory, identity);
     let mut device = BoardDevice::new(camif, Eight::default(), model);
     station.announce(&device).unwrap();

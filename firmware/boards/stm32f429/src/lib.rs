@@ -144,7 +144,6 @@ pub fn init() -> (Sensor, DcmiPort<'static, Mmio>) {
         // SAFETY: as below, but for DCMI's registers alone, of which none says where the DMA writes. The driver and a host
         // that pokes them may disagree about what is captured, and never about memory.
         registers: Window::new(unsafe { Mmio::new() }, &STM32F429),
-        name: concat!("camif ", env!("CARGO_PKG_VERSION"), " on F429"),
         baud: BAUD,
     };
     // SAFETY: this is an STM32F429 as its reset and the clocks above prove; DCMI and DMA2 are clocked; embassy's drivers for

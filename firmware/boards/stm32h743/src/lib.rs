@@ -157,7 +157,6 @@ pub fn init(mpu: &mut MPU, scb: &mut SCB, cpuid: &mut CPUID) -> (Sensor, DcmiPor
         // SAFETY: as below, but for DCMI's registers alone, of which none says where the DMA writes. The driver and a host
         // that pokes them may disagree about what is captured, and never about memory.
         registers: Window::new(unsafe { Mmio::new() }, &STM32H743),
-        name: concat!("camif ", env!("CARGO_PKG_VERSION"), " on H743"),
         baud: BAUD,
     };
     // SAFETY: this is an STM32H743 as its reset and the clocks above prove; DCMI and DMA2 are clocked; embassy's drivers for

@@ -40,8 +40,6 @@ pub struct Board<I2C, R, W, S, T> {
     pub commands: T,
     /// DCMI's registers, for who looks at them over the line.
     pub registers: Window<Mmio>,
-    /// What the board is called on the line.
-    pub name: &'static str,
     /// Rate of the line, bits a second.
     pub baud: u32,
 }
@@ -96,7 +94,7 @@ where
         Ok(true) => commands.read(bytes).unwrap_or(0),
         _ => 0,
     };
-    let identity = Identity { name: board.name, session: 1, baud: board.baud };
+    let identity = Identity { session: 1, baud: board.baud };
     let mut station = Station::new(serial, receive, memory, identity);
     let mut clock = Clock::default();
     loop {

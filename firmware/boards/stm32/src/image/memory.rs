@@ -21,12 +21,18 @@ impl<const WORDS: usize, const N: usize> FrameMemory<WORDS, N> {
     ///
     /// # Safety
     /// Called once.
+    #[expect(
+        clippy::mut_from_ref,
+        reason = "called once: there is no second reference by the caller's promise"
+    )]
     pub unsafe fn claim(&'static self) -> [&'static mut [u32]; N] {
         let memory = self.0.get();
         // SAFETY: the memory is a static's, and the caller promises that nobody else has it.
         unsafe { memory.write_bytes(0, 1) };
-        // SAFETY: zeroed above, and every pattern of bits is a `u32`; the only reference by the caller's promise.
-        let frames = unsafe { (*memory).assume_init_mut() };
+        // SAFETY: the only reference, by the caller's promise.
+        let memory = unsafe { &mut *memory };
+        // SAFETY: zeroed above, and every pattern of bits is a `u32`.
+        let frames = unsafe { memory.assume_init_mut() };
         frames.each_mut().map(<[u32; WORDS]>::as_mut_slice)
     }
 }
