@@ -194,16 +194,64 @@ fn run_in(toolchain: &Toolchain, folder: &Path) -> Result<std::process::ExitStat
 #[cfg(test)]
 mod tests {
     use super::*;
-    use object::write::{Object as Writer, StandardSegment, Symbol, SymbolSection};
+    use object::write::{Object as Writer, Symbol, SymbolSection};
     use object::{Architecture, BinaryFormat, Endianness, SymbolFlags, SymbolKind, SymbolScope};
 
-    /// An object file with vectors and symbols; relocatable, so that its sections are all at 0.
-    fn image(vectors: &[u32], symbols: &[(&str, u64)]) -> Vec<u8> {
+    /// Vectors and symbols as they are to be.
+    const SYMBOLS: [(&str, u64); 7] = [
+        ("DefaultHandler_", 0x0800_0401),
+        ("SysTick", 0x0800_0501),
+        ("DCMI", 0x0800_0601),
+        ("DMA2_STREAM0", 0x0800_0701),
+        ("USART3", 0x0800_0801),
+        ("__sbss", 0x2000_0000),
+        ("__ebss", 0x2000_0200),
+    ];
+
+    fn vectors() -> Vec<u32> {
+        let mut vectors = vec![0x0800_0401; CORE_VECTORS + 150];
+        (vectors[0], vectors[1], vectors[15]) = (0x2002_0000, 0x0800_0201, 0x0800_0501);
+        (vectors[16 + 78], vectors[16 + 56], vectors[16 + 39]) = (0x0800_0601, 0x0800_0701, 0x0800_0801);
+        vectors
+    }
+
+    /// Where a section lies, and what it is.
+    #[derive(Clone, Copy)]
+    struct Section {
+        name: &'static str,
+        address: u32,
+        size: u64,
+        kind: SectionKind,
+    }
+
+    /// An image for the H743 with nothing wrong.
+    const SECTIONS: [Section; 4] = [
+        Section { name: ".vector_table", address: 0x0800_0000, size: 0, kind: SectionKind::ReadOnlyData },
+        Section { name: ".text", address: 0x0800_0400, size: 0x600, kind: SectionKind::Text },
+        Section {
+            name: ".frames",
+            address: 0x2400_0000,
+            size: 460_800,
+            kind: SectionKind::UninitializedData,
+        },
+        Section { name: ".bss", address: 0x2000_0000, size: 0x200, kind: SectionKind::UninitializedData },
+    ];
+
+    /// The bytes of an ELF file of these. The writer makes relocatable files, whose sections are all at 0; the addresses are
+    /// put in afterwards.
+    fn elf_of(vectors: &[u32], symbols: &[(&str, u64)], sections: &[Section]) -> Vec<u8> {
         let mut writer = Writer::new(BinaryFormat::Elf, Architecture::Arm, Endianness::Little);
-        let segment = writer.segment_name(StandardSegment::Text).to_vec();
-        let table = writer.add_section(segment, b".vector_table".to_vec(), SectionKind::ReadOnlyData);
-        let bytes: Vec<u8> = vectors.iter().flat_map(|vector| vector.to_le_bytes()).collect();
-        writer.append_section_data(table, &bytes, 4);
+        for section in sections {
+            let id = writer.add_section(Vec::new(), section.name.as_bytes().to_vec(), section.kind);
+            if section.name == ".vector_table" {
+                let bytes: Vec<u8> = vectors.iter().flat_map(|vector| vector.to_le_bytes()).collect();
+                writer.append_section_data(id, &bytes, 4);
+            } else if section.kind == SectionKind::UninitializedData {
+                writer.append_section_bss(id, section.size, 4);
+            } else {
+                writer.append_section_data(id, &vec![0; section.size as usize], 4);
+            }
+        }
         for &(name, value) in symbols {
             writer.add_symbol(Symbol {
                 name: name.as_bytes().to_vec(),
@@ -216,47 +264,81 @@ mod tests {
                 flags: SymbolFlags::None,
             });
         }
-        writer.write().unwrap()
+        let mut bytes = writer.write().unwrap();
+        let places: Vec<(usize, u32)> = {
+            let file = object::File::parse(&*bytes).unwrap();
+            let place =
+                |section: &Section| (file.section_by_name(section.name).unwrap().index().0, section.address);
+            sections.iter().map(place).collect()
+        };
+        // ELF32: e_shoff at 32, e_shentsize at 46; sh_addr is the fourth word of a header.
+        let headers = u32::from_le_bytes(bytes[32..36].try_into().unwrap()) as usize;
+        let length = usize::from(u16::from_le_bytes([bytes[46], bytes[47]]));
+        for (index, address) in places {
+            let at = headers + index * length + 12;
+            bytes[at..at + 4].copy_from_slice(&address.to_le_bytes());
+        }
+        bytes
+    }
+
+    fn faults(vectors: &[u32], symbols: &[(&str, u64)], sections: &[Section]) -> String {
+        wrong(&CHIPS[0], &elf_of(vectors, symbols, sections)).unwrap().join("\n")
     }
 
     #[test]
-    fn each_fault_of_an_image_is_named() {
-        let chip = &CHIPS[0];
-        let mut vectors = vec![0x0800_0401; CORE_VECTORS + 150];
-        (vectors[0], vectors[1], vectors[15]) = (0x2002_0000, 0x0800_0201, 0x0800_0501);
-        (vectors[16 + 78], vectors[16 + 56]) = (0x0800_0601, 0x0800_0701);
-        let symbols = [
-            ("DefaultHandler_", 0x0800_0401),
-            ("SysTick", 0x0800_0501),
-            ("DCMI", 0x0800_0601),
-            ("DMA2_STREAM0", 0x0800_0701),
-        ];
-        let found = |vectors: &[u32], symbols: &[(&str, u64)]| wrong(chip, &image(vectors, symbols)).unwrap();
-        // An object file is at 0 and has no frames; the rest is right.
-        let base = found(&vectors, &symbols);
-        assert!(
-            base.iter().all(|line| line.contains("frames")
-                || line.contains("vector table")
-                || line.contains("section")),
-            "{base:?}"
-        );
+    fn an_image_that_is_right_passes() {
+        assert_eq!(faults(&vectors(), &SYMBOLS, &SECTIONS), "");
+    }
+
+    #[test]
+    fn each_wrong_vector_is_named() {
         let worse = |index: usize, value: u32| {
-            let mut vectors = vectors.clone();
+            let mut vectors = vectors();
             vectors[index] = value;
-            let lines = found(&vectors, &symbols);
-            lines.into_iter().filter(|line| !base.contains(line)).collect::<Vec<_>>().join("\n")
+            faults(&vectors, &SYMBOLS, &SECTIONS)
         };
         assert!(worse(0, 0x2400_0000).contains("the stack starts at 0x24000000"));
         assert!(worse(1, 0x0800_0200).contains("not Thumb code"));
         assert!(worse(16 + 78, 0x0800_0401).contains("not the handler DCMI"));
         assert!(worse(16 + 56, 0).contains("not the handler DMA2_STREAM0"));
+        assert!(worse(16 + 39, 0x0800_0401).contains("not the handler USART3"));
         assert!(worse(15, 0x0800_0401).contains("SysTick"));
         // Both ends in memory that is there, and nothing between them.
-        let clearing = |from, to| {
-            let symbols = [&symbols[..], &[("__sbss", from), ("__ebss", to)]].concat();
-            found(&vectors, &symbols).iter().any(|line| line.contains("start-up clears"))
+        let mut symbols = SYMBOLS;
+        symbols[6].1 = 0x2407_0800;
+        assert!(faults(&vectors(), &symbols, &SECTIONS).contains("start-up clears"));
+    }
+
+    #[test]
+    fn each_wrong_place_of_a_section_is_named() {
+        let worse = |index: usize, change: fn(&mut Section)| {
+            let mut sections = SECTIONS;
+            change(&mut sections[index]);
+            faults(&vectors(), &SYMBOLS, &sections)
         };
-        assert!(clearing(0x2000_0050, 0x2407_0800) && !clearing(0x2000_0050, 0x2000_02B0));
+        let elsewhere = worse(0, |table| table.address = 0x0802_0000);
+        assert!(elsewhere.contains("the vector table is at 0x8020000"), "{elsewhere}");
+        let beyond = worse(1, |text| text.address = 0x081F_FF00);
+        assert!(beyond.contains("section .text is at 0x81fff00 to 0x8200500, outside"), "{beyond}");
+        let coupled = worse(2, |frames| frames.address = 0x2000_1000);
+        assert!(coupled.contains("frames are at 0x20001000"), "{coupled}");
+        let unaligned = worse(2, |frames| frames.address = 0x2400_0004);
+        assert!(unaligned.contains("cannot burst"), "{unaligned}");
+        let fewer = worse(2, |frames| frames.size = 307_200);
+        assert!(fewer.contains("frames have 307200 bytes, not 460800"), "{fewer}");
+        let stored = worse(2, |frames| frames.kind = SectionKind::Data);
+        assert!(stored.contains("not NOLOAD"), "{stored}");
+        let statics = worse(3, |statics| statics.address = 0x1000_0000);
+        assert!(statics.contains("section .bss is at 0x10000000"), "{statics}");
+    }
+
+    #[test]
+    fn what_is_no_image_is_refused() {
+        let whole = elf_of(&vectors(), &SYMBOLS, &SECTIONS);
+        assert!(wrong(&CHIPS[0], b"not an ELF file").is_err());
+        assert!(wrong(&CHIPS[0], &whole[..100]).is_err(), "cut short");
+        let error = wrong(&CHIPS[0], &elf_of(&[], &[], &SECTIONS[1..])).unwrap_err();
+        assert!(error.to_string().contains("no vector table"));
     }
 
     #[test]

@@ -11,8 +11,8 @@ const RATE: u16 = 32;
 const BAND: u16 = 20;
 
 /// The light on the scene, as known so far.
-#[derive(Debug)]
-pub(super) struct Light {
+#[derive(Clone, Copy, Debug)]
+pub struct Light {
     frame: GrayWorld,
     running: RunningWhite,
     gains: Gains,

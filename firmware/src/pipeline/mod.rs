@@ -50,12 +50,12 @@ mod edges;
 mod tests;
 
 pub use algos_nostd::edges::{Norm, Thresholds};
+pub use light::Light;
 pub use settings::{Balance, Output, Palette, Settings, Smoothing};
 
 use algos_nostd::image::{Error, Rgb};
 use algos_nostd::pixel::format::{Format, Meaning};
 
-use light::Light;
 use memory::Memory;
 use tail::Tail;
 
@@ -107,6 +107,19 @@ impl<'m> Pipeline<'m> {
         };
         let tail = Tail::new(settings.output, settings.width, settings.height, &mut memory)?;
         Ok(Self { format: settings.format, meaning: settings.meaning, light, pixels, tail })
+    }
+
+    /// Goes on with the light that an earlier pipeline has seen, if both balance.
+    #[must_use]
+    pub fn lit(mut self, light: Option<Light>) -> Self {
+        self.light = self.light.map(|dark| light.unwrap_or(dark));
+        self
+    }
+
+    /// The light as the frames so far have shown it; `None` if light is not evened out.
+    #[must_use]
+    pub fn light(&self) -> Option<Light> {
+        self.light
     }
 
     /// Takes the next line as the camera delivered it, and hands on what it completes.

@@ -2,24 +2,28 @@
 
 use core::fmt;
 
-use super::stages::{KNOWN, Stages};
+use super::board::Board;
+use super::stages::{Made, Stages};
 use crate::link::packet::{Meaning, State, Status};
 use crate::link::{Choice, Device, Format, Parameter, Resend};
-use crate::pipeline::{Output, Settings, Smoothing};
+use crate::pipeline::Smoothing;
 use crate::port::Registers;
-use algos_nostd::pixel::format::Meaning as Means;
-use algos_nostd::pixel::yuv422::Coefficients;
 
 /// The raw frames.
-pub(super) const RAW: u8 = 0;
+pub const RAW: u8 = 0;
 /// What the stages make of them.
-pub(super) const MADE: u8 = 1;
+pub const MADE: u8 = 1;
 /// Both.
-pub(super) const STREAMS: u8 = 2;
+pub const STREAMS: u8 = 2;
+
+/// Parameters of the station itself; the board's follow.
+const PARAMETERS: u16 = 1;
 
 /// The picture that the camera is configured for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Picture {
+    /// What the raw stream is called.
+    pub name: &'static str,
     /// Pixels a line.
     pub width: u16,
     /// Lines.
@@ -28,6 +32,13 @@ pub struct Picture {
     pub format: Format,
     /// What the format leaves open.
     pub meaning: Meaning,
+}
+
+impl Picture {
+    /// Bytes of a line, one at least.
+    pub(super) fn line_bytes(&self) -> usize {
+        self.format.line_bytes(self.width.into()).max(1)
+    }
 }
 
 /// What the board is to do with its camera.
@@ -41,8 +52,9 @@ pub enum Order {
 
 /// What the host has chosen.
 #[derive(Debug)]
-pub struct Control<R> {
-    registers: R,
+pub struct Control<B> {
+    /// The board.
+    pub board: B,
     pub(super) picture: Picture,
     pub(super) state: State,
     /// Frames of the snapshot that are still to come.
@@ -66,18 +78,19 @@ pub struct Control<R> {
     pub(super) again: Option<Resend>,
 }
 
-impl<R> Control<R> {
-    /// Capture runs, and the raw frames are on.
-    pub(super) fn new(registers: R, picture: Picture, room: usize, period_ms: i32) -> Self {
+impl<B> Control<B> {
+    /// Capture runs, and the raw frames are on. The stages are the best that fit.
+    pub(super) fn new(board: B, picture: Picture, room: usize, period_ms: i32) -> Self {
+        let sobel = Stages { balance: false, made: Made::Sobel(Smoothing::Gaussian3) };
         let mut control = Self {
-            registers,
+            board,
             picture,
             state: State::Running,
             left: 0,
             order: Some(Order::Start),
             on: 1 << RAW,
             encodings: [Choice::Sender; STREAMS as usize],
-            stages: Stages::Color,
+            stages: Stages::COLOR,
             room,
             changed: 0,
             period: period_ms,
@@ -86,10 +99,8 @@ impl<R> Control<R> {
             next: 0,
             again: None,
         };
-        let sobel = Stages::Sobel(Smoothing::Gaussian3);
-        if control.fits(sobel) {
-            control.stages = sobel;
-        }
+        let best = [Stages::START, sobel].into_iter().find(|stages| control.fits(*stages));
+        control.stages = best.unwrap_or(Stages::COLOR);
         control
     }
 
@@ -121,9 +132,24 @@ impl<R> Control<R> {
         self.period.unsigned_abs()
     }
 
-    /// A frame was sent: after the last one of a snapshot, the device stops.
+    /// The camera is configured for other pictures now, and starts afresh if it ran.
+    pub fn show(&mut self, picture: Picture) {
+        self.picture = picture;
+        self.changed = (1 << STREAMS) - 1;
+        self.release();
+        if self.is_capturing() {
+            self.order = Some(Order::Start);
+        }
+    }
+
+    /// The frame that was sent last is no longer there to be sent again.
+    pub fn release(&mut self) {
+        (self.held, self.again) = (None, None);
+    }
+
+    /// A frame was sent: after the last one of a snapshot, the device stops. One from before a new order does not count.
     pub(super) fn sent(&mut self) {
-        if self.state == State::Snapshot {
+        if self.state == State::Snapshot && self.order.is_none() {
             self.left = self.left.saturating_sub(1);
             if self.left == 0 {
                 (self.state, self.order) = (State::Stopped, Some(Order::Stop));
@@ -131,31 +157,27 @@ impl<R> Control<R> {
         }
     }
 
-    /// What makes the second stream.
-    pub(super) fn settings(&self, output: Output<'static>) -> Option<Settings<'static>> {
-        let Picture { width, height, format: Format::Pixels(format), .. } = self.picture else { return None };
-        let mut settings = Settings::new(width.into(), height.into());
-        (settings.format, settings.output) = (format, output);
-        let Meaning { bayer, matrix, range } = self.picture.meaning;
-        settings.meaning = Means { yuv: Coefficients::new(matrix, range), bayer };
-        Some(settings)
-    }
-
     fn fits(&self, stages: Stages) -> bool {
-        self.settings(stages.output()).is_some_and(|settings| settings.memory() <= self.room)
+        stages.needs(self.picture.width.into(), self.picture.height.into()) <= self.room
     }
 
     /// The format of a stream.
     pub(super) fn format(&self, stream: u8) -> Format {
-        match (stream, self.stages) {
-            (RAW, _) => self.picture.format,
-            (_, Stages::Color) => Format::RGB888,
-            _ => Format::GRAY8,
-        }
+        if stream == RAW { self.picture.format } else { self.stages.format() }
+    }
+
+    /// What the format of a stream leaves open.
+    pub(super) fn meaning(&self, stream: u8) -> Meaning {
+        if stream == RAW { self.picture.meaning } else { Meaning::default() }
+    }
+
+    /// The encoding that is asked for.
+    pub(super) fn encoding(&self, stream: u8) -> Choice {
+        self.encodings.get(usize::from(stream)).copied().unwrap_or(Choice::Sender)
     }
 }
 
-impl<R: Registers> Device for Control<R> {
+impl<B: Board> Device for Control<B> {
     fn start(&mut self) -> Result<(), Status> {
         if self.state != State::Running {
             (self.state, self.order) = (State::Running, Some(Order::Start));
@@ -197,11 +219,10 @@ impl<R: Registers> Device for Control<R> {
     fn choose_stages(&mut self, stream: u8, pipeline: &str, text: &mut dyn fmt::Write) -> Result<(), Status> {
         // What does not fit the reply is cut.
         let mut say = |what: fmt::Arguments<'_>| _ = text.write_fmt(what);
-        let stages = Stages::read(pipeline).ok_or_else(|| say(format_args!("{KNOWN}")));
-        match (stream, stages) {
-            (RAW, Ok(Stages::Color)) => Ok(()),
+        match (stream, Stages::read(pipeline)) {
+            (RAW, Ok(Stages::COLOR)) => Ok(()),
             (RAW, _) => {
-                say(format_args!("stream {RAW} is the raw picture; stages go to stream {MADE}"));
+                say(format_args!("stream {RAW} is the frame as captured; stages go to stream {MADE}"));
                 Err(Status::Unsupported)
             }
             (MADE, Ok(stages)) if self.fits(stages) => {
@@ -214,30 +235,50 @@ impl<R: Registers> Device for Control<R> {
                 say(format_args!("not enough memory for that"));
                 Err(Status::Unsupported)
             }
-            (MADE, Err(())) => Err(Status::OutOfRange),
+            (MADE, Err(error)) => {
+                say(format_args!("{error}"));
+                Err(Status::OutOfRange)
+            }
             _ => Err(Status::NoStream),
         }
     }
 
     fn parameter(&self, number: u16) -> Option<Parameter<'_>> {
-        let period = Parameter { name: "frame period (ms)", value: self.period, least: 0, greatest: 60_000 };
-        (number == 0).then_some(period)
+        match number.checked_sub(PARAMETERS) {
+            None => {
+                let (name, value) = ("frame period (ms)", self.period);
+                Some(Parameter { name, value, least: 0, greatest: 60_000 })
+            }
+            Some(number) => self.board.parameter(number),
+        }
     }
 
-    fn set_parameter(&mut self, _number: u16, value: i32) -> Result<(), Status> {
-        self.period = value;
+    fn set_parameter(&mut self, number: u16, value: i32) -> Result<(), Status> {
+        match number.checked_sub(PARAMETERS) {
+            None => self.period = value,
+            Some(number) => self.board.set_parameter(number, value)?,
+        }
         Ok(())
     }
 
     fn registers(&mut self) -> &mut dyn Registers {
-        &mut self.registers
+        self.board.registers()
+    }
+
+    fn read_sensor(&mut self, register: u32) -> Result<u32, Status> {
+        self.board.read_sensor(register)
+    }
+
+    fn write_sensor(&mut self, register: u32, value: u32) -> Result<(), Status> {
+        self.board.write_sensor(register, value)
     }
 
     fn resend(&mut self, lines: &Resend) -> Result<u16, Status> {
-        if lines.stream != RAW {
-            return Err(if lines.stream < STREAMS { Status::Unsupported } else { Status::NoStream });
+        if lines.stream >= STREAMS {
+            return Err(Status::NoStream);
         }
-        if self.held != Some(lines.sequence) {
+        // What the stages made is not kept.
+        if lines.stream != RAW || self.held != Some(lines.sequence) {
             return Err(Status::Gone);
         }
         let count = lines.count.min(self.picture.height.saturating_sub(lines.first));

@@ -2,17 +2,19 @@
 
 use embedded_io::{Read, ReadReady, Write};
 
+use super::board::Board;
 use super::control::{Control, MADE, Picture, RAW, STREAMS};
+use super::stages::COLORS;
 use crate::driver::deadline::Cause;
 use crate::driver::verdict::{Statistics, Verdict};
-use crate::link::packet::{FrameStart, Heartbeat, Hello, Level, Log, State, Stream, cause_code};
+use crate::link::packet::{FrameStart, Heartbeat, Hello, Level, Log, Palette, State, Stream, cause_code};
 use crate::link::{
-    ALL_COMMANDS, COMMAND_BODY_MAX, Choice, Dispatcher, Encoding, Inbox, Outgoing, Packet, REPLY_MEMORY,
+    ALL_COMMANDS, COMMAND_BODY_MAX, Dispatcher, Encoding, Format, Inbox, Outgoing, Packet, REPLY_MEMORY,
     Received, SendError, Sender, Then, VERSION, small_table, wire_bytes,
 };
-use crate::pipeline::{Pipeline, Product};
-use crate::port::Registers;
+use crate::pipeline::{Light, Pipeline, Product};
 use algos_nostd::pixel::rgb888;
+use algos_nostd::quantize::Probe;
 
 /// Bytes of the largest body that is sent; longer lines travel in pieces.
 pub const BODY: usize = 1_024;
@@ -48,20 +50,32 @@ impl Default for Memory {
     }
 }
 
+/// Who this is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Identity {
+    /// The device's name.
+    pub name: &'static str,
+    /// Another number after every start.
+    pub session: u32,
+    /// Bits a second on the wire; 0 if it has no rate.
+    pub baud: u32,
+}
+
 /// A device on a wire.
 #[derive(Debug)]
-pub struct Station<'m, W, R> {
+pub struct Station<'m, W, B> {
     /// What the host has chosen.
-    pub control: Control<R>,
+    pub control: Control<B>,
     sender: Sender<'m, W>,
     inbox: Inbox<'m>,
     dispatcher: Dispatcher<'m>,
     /// Memory of the stages.
     vision: &'m mut [u32],
+    /// The light on the scene, as the frames before have shown it.
+    light: Option<Light>,
     /// Microseconds since the device started.
     clock: fn() -> u64,
-    name: &'static str,
-    session: u32,
+    identity: Identity,
     /// What became of the frames when the board last said so, and why none came.
     told: (Statistics, u8),
     beaten: u64,
@@ -70,24 +84,24 @@ pub struct Station<'m, W, R> {
     last: Option<Outgoing>,
 }
 
-impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
+impl<'m, W: Wire, B: Board> Station<'m, W, B> {
     /// Capture is wanted at once, with `period_ms` from frame to frame at least; `vision` is the memory for the stages of the
-    /// second stream, see [`crate::pipeline::Settings::memory`]. `session` is another number after every start.
+    /// second stream, see [`Stages::memory`](super::Stages::memory).
     pub fn new(
         (wire, memory, vision): (W, &'m mut Memory, &'m mut [u32]),
-        (registers, picture, period_ms): (R, Picture, u16),
-        (name, session): (&'static str, u32),
+        (board, picture, period_ms): (B, Picture, u16),
+        identity: Identity,
         clock: fn() -> u64,
     ) -> Self {
         Self {
-            control: Control::new(registers, picture, vision.len(), period_ms.into()),
+            control: Control::new(board, picture, vision.len(), period_ms.into()),
             sender: Sender::new(wire, &mut memory.sender, small_table),
             inbox: Inbox::new(&mut memory.inbox, small_table),
             dispatcher: Dispatcher::new(&mut memory.replies, small_table),
             vision,
+            light: None,
             clock,
-            name,
-            session,
+            identity,
             told: (Statistics::default(), 0),
             beaten: 0,
             beats: 0,
@@ -108,40 +122,51 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
             streams: STREAMS,
             commands: ALL_COMMANDS,
             encodings: Encoding::bits(&Encoding::ALL),
-            session: self.session,
-            name: self.name,
+            session: self.identity.session,
+            name: self.identity.name,
         }))?;
         (0..STREAMS).try_for_each(|stream| self.describe(stream))
+    }
+
+    /// The device has another name now; announce it.
+    pub fn rename(&mut self, name: &'static str) {
+        self.identity.name = name;
     }
 
     fn describe(&mut self, stream: u8) -> Result<(), SendError<W::Error>> {
         let control = &mut self.control;
         control.changed &= !(1 << stream);
-        let mut text = Text { room: [0; 64], length: 0 };
+        let mut text = Text::<128>::new();
         if stream == MADE {
-            // It fits: the longest has less than 60 characters.
+            // It fits: the longest has less than 90 characters.
             let _ = core::fmt::Write::write_fmt(&mut text, format_args!("{}", control.stages));
         }
-        let Picture { width, height, meaning, .. } = control.picture;
+        let Picture { name, width, height, .. } = control.picture;
+        let format = control.format(stream);
         self.sender.send(&Packet::Stream(Stream {
             stream,
-            format: control.format(stream),
-            encoding: encoding(control, stream),
+            format,
+            encoding: control.encoding(stream),
             on: control.on >> stream & 1 == 1,
             width,
             height,
-            meaning,
+            meaning: control.meaning(stream),
             pipeline: text.as_str(),
-            name: if stream == RAW { "raw" } else { "stages" },
-        }))
+            name: if stream == RAW { name } else { "stages" },
+        }))?;
+        if stream == MADE && format == Format::Index8 {
+            let colors = rgb888::as_bytes(&COLORS).as_chunks().0;
+            self.sender.send(&Packet::Palette(Palette { stream, colors }))?;
+        }
+        Ok(())
     }
 
-    /// Adds a line to the log; what does not fit 64 bytes is cut.
+    /// Adds a line to the log; what does not fit 250 bytes is cut.
     ///
     /// # Errors
     /// As [`Station::announce`].
     pub fn log(&mut self, level: Level, line: core::fmt::Arguments<'_>) -> Result<(), SendError<W::Error>> {
-        let mut text = Text { room: [0; 64], length: 0 };
+        let mut text = Text::<250>::new();
         let cut = core::fmt::Write::write_fmt(&mut text, line).is_err();
         let time = (self.clock)();
         self.sender.send(&Packet::Log(Log { level, cut, lost: 0, time, text: text.as_str() }))
@@ -153,8 +178,9 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
     /// As [`Station::announce`].
     pub fn serve(&mut self) -> Result<(), SendError<W::Error>> {
         let mut bytes = [0; 32];
-        while self.sender.writer_mut().read_ready().map_err(SendError::Write)? {
-            let count = self.sender.writer_mut().read(&mut bytes).map_err(SendError::Write)?;
+        // Noise on the way in is no reason to say nothing any more.
+        while self.sender.writer_mut().read_ready().unwrap_or(false) {
+            let count @ 1.. = self.sender.writer_mut().read(&mut bytes).unwrap_or(0) else { break };
             let mut rest = bytes.get(..count).unwrap_or_default();
             while !rest.is_empty() {
                 let taken = self.inbox.push(rest);
@@ -200,7 +226,7 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
         let counts = self.inbox.counts();
         let (frames, cause) = self.told;
         self.sender.send(&Packet::Heartbeat(Heartbeat {
-            session: self.session,
+            session: self.identity.session,
             uptime: (self.clock)(),
             frames,
             packets_sent: self.sender.packets(),
@@ -208,7 +234,7 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
             packets_unsent: 0,
             packets_received: counts.received,
             packets_damaged: counts.damaged.wrapping_add(counts.malformed).wrapping_add(counts.other_version),
-            baud: 0,
+            baud: self.identity.baud,
             state: self.control.state,
             cause,
         }))
@@ -240,18 +266,21 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
         verdict: &Verdict,
         vision: &mut [u32],
     ) -> Result<(), SendError<W::Error>> {
-        let on = self.control.on;
+        // What is chosen meanwhile is for the next frame.
+        let (on, stages, picture) = (self.control.on, self.control.stages, self.control.picture);
         let mut raw = if on >> RAW & 1 == 1 { Some(self.begin(RAW, verdict)?) } else { None };
-        let settings = self.control.settings(self.control.stages.output()).filter(|_| on >> MADE & 1 == 1);
-        let mut pipeline = settings.and_then(|settings| Pipeline::new(settings, vision).ok());
+        let mut probes = [Probe::EMPTY; COLORS.len()];
+        let settings = stages.settings(&picture, &mut probes).filter(|_| on >> MADE & 1 == 1);
+        let pipeline = settings.and_then(|settings| Pipeline::new(settings, vision).ok());
+        let light = self.light;
+        let mut pipeline = pipeline.map(|pipeline| pipeline.lit(light));
         let mut made = match pipeline {
             Some(_) => Some(self.begin(MADE, verdict)?),
             None => None,
         };
-        let Picture { width, height, format, .. } = self.control.picture;
-        let (width, line_bytes) = (usize::from(width), format.line_bytes(width.into()).max(1));
+        let (width, line_bytes) = (usize::from(picture.width), picture.line_bytes());
         let (mut number, mut result) = (0_u16, Ok(()));
-        for (line, pixels) in (0..height).zip(bytes.chunks_exact(line_bytes)) {
+        for (line, pixels) in (0..picture.height).zip(bytes.chunks_exact(line_bytes)) {
             if let Some(raw) = &mut raw {
                 self.sender.line(raw, line, pixels)?;
             }
@@ -276,6 +305,7 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
                     number = number.saturating_add(1);
                 }
             });
+            self.light = pipeline.light();
         }
         result?;
         for outgoing in [raw, made].into_iter().flatten() {
@@ -286,19 +316,20 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
     }
 
     fn begin(&mut self, stream: u8, verdict: &Verdict) -> Result<Outgoing, SendError<W::Error>> {
-        let Picture { width, height, meaning, .. } = self.control.picture;
+        let Picture { width, height, .. } = self.control.picture;
+        let format = self.control.format(stream);
         let start = FrameStart {
             stream,
-            format: self.control.format(stream),
-            meaning,
+            format,
+            meaning: self.control.meaning(stream),
             snapshot: self.control.state == State::Snapshot,
             sequence: verdict.sequence,
             width,
             height,
             captured: (self.clock)(),
-            palette: 0,
+            palette: if format == Format::Index8 { small_table(0, rgb888::as_bytes(&COLORS)) } else { 0 },
         };
-        self.sender.begin(start, encoding(&self.control, stream))
+        self.sender.begin(start, self.control.encoding(stream))
     }
 
     /// Sends lines again that were asked for, of the frame that was sent last and whose bytes these are.
@@ -307,19 +338,13 @@ impl<'m, W: Wire, R: Registers> Station<'m, W, R> {
     /// As [`Station::announce`].
     pub fn send_again(&mut self, bytes: &[u8]) -> Result<(), SendError<W::Error>> {
         let (Some(lines), Some(last)) = (self.control.again.take(), self.last) else { return Ok(()) };
-        let Picture { width, format, .. } = self.control.picture;
-        let line_bytes = format.line_bytes(width.into()).max(1);
+        let line_bytes = self.control.picture.line_bytes();
         let numbered = (0_u16..).zip(bytes.chunks_exact(line_bytes));
         for (line, pixels) in numbered.skip(lines.first.into()).take(lines.count.into()) {
             self.sender.resend(&last, line, pixels)?;
         }
         Ok(())
     }
-}
-
-/// The encoding that is asked for.
-fn encoding<R>(control: &Control<R>, stream: u8) -> Choice {
-    control.encodings.get(usize::from(stream)).copied().unwrap_or(Choice::Sender)
 }
 
 fn send_product<W: Write>(
@@ -344,22 +369,32 @@ fn send_product<W: Write>(
 }
 
 /// A short text.
-struct Text {
-    room: [u8; 64],
+struct Text<const N: usize> {
+    room: [u8; N],
     length: usize,
 }
 
-impl Text {
+impl<const N: usize> Text<N> {
+    fn new() -> Self {
+        Self { room: [0; N], length: 0 }
+    }
+
     fn as_str(&self) -> &str {
         self.room.get(..self.length).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or_default()
     }
 }
 
-impl core::fmt::Write for Text {
+impl<const N: usize> core::fmt::Write for Text<N> {
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
         let rest = self.room.get_mut(self.length..).ok_or(core::fmt::Error)?;
-        rest.get_mut(..text.len()).ok_or(core::fmt::Error)?.copy_from_slice(text.as_bytes());
-        self.length += text.len();
-        Ok(())
+        let whole = text.len().min(rest.len());
+        // No character is cut in two.
+        let fits = (0..=whole).rev().find(|&length| text.is_char_boundary(length)).unwrap_or(0);
+        let (Some(rest), Some(taken)) = (rest.get_mut(..fits), text.as_bytes().get(..fits)) else {
+            return Err(core::fmt::Error);
+        };
+        rest.copy_from_slice(taken);
+        self.length += fits;
+        if fits == text.len() { Ok(()) } else { Err(core::fmt::Error) }
     }
 }

@@ -13,12 +13,11 @@ use crate::camif::registers::Registers;
 use crate::driver::verdict::Verdict;
 use crate::link::packet::{Meaning, State, Status};
 use crate::link::*;
-use crate::pipeline::Settings;
 use crate::port::Register;
 
 const WIDTH: u16 = 40;
 const HEIGHT: u16 = 12;
-const VISION: usize = Settings::canny_memory(WIDTH as usize, HEIGHT as usize);
+const VISION: usize = Stages::memory(WIDTH as usize, HEIGHT as usize);
 
 /// Both directions: what the device is to read, and what it wrote.
 #[derive(Clone, Debug, Default)]
@@ -72,10 +71,16 @@ impl Registers for Memorized {
 
 fn with_station(body: impl FnOnce(&mut Station<'_, Loop, Memorized>, &Loop)) {
     let (wire, mut memory, mut vision) = (Loop::default(), Memory::new(), vec![0; VISION]);
-    let picture =
-        Picture { width: WIDTH, height: HEIGHT, format: Format::RGB888, meaning: Meaning::default() };
+    let picture = Picture {
+        name: "raw",
+        width: WIDTH,
+        height: HEIGHT,
+        format: Format::RGB888,
+        meaning: Meaning::default(),
+    };
     let lent = (wire.clone(), &mut memory, &mut vision[..]);
-    let mut station = Station::new(lent, (Memorized(7), picture, 100), ("test", 5), || 0);
+    let identity = Identity { name: "test", session: 5, baud: 0 };
+    let mut station = Station::new(lent, (Memorized(7), picture, 100), identity, || 0);
     body(&mut station, &wire);
 }
 
@@ -176,10 +181,14 @@ fn commands_change_what_they_name_and_refuse_the_rest() {
         assert_eq!(ask(station, wire, 7, Request::Streams(4)).0, Status::NoStream);
         let (status, why) = text(ask(station, wire, 8, Request::Stages(1, "median:size=3")));
         assert_eq!(status, Status::OutOfRange);
-        assert!(why.contains("this device makes"), "{why}");
-        for wrong in
-            ["gray|sobel|sobel", "gray|canny:low=9,high=3", "gray|gaussian:size=7", "|gray", "gray|canny:low"]
-        {
+        assert!(why.starts_with("not `median:size=3` here"), "{why}");
+        for wrong in [
+            "gray|sobel|sobel",
+            "gray|canny:low=9,high=3",
+            "gray|gaussian:size=7",
+            "gray|palette",
+            "gray|canny:low",
+        ] {
             assert_eq!(ask(station, wire, 9, Request::Stages(1, wrong)).0, Status::OutOfRange, "{wrong}");
         }
         assert_eq!(ask(station, wire, 10, Request::Stop).0, Status::Done);
@@ -203,5 +212,46 @@ fn lines_of_the_frame_before_come_again() {
             }
         });
         assert_eq!(again, [(10, true), (11, true)]);
+    });
+}
+
+#[test]
+fn a_snapshot_counts_no_frame_from_before_it() {
+    with_station(|station, wire| {
+        assert_eq!(station.control.take_order(), Some(Order::Start));
+        // It comes while a frame is on its way.
+        let (mut memory, request) = ([0; 600], Request::Snapshot(1));
+        let mut framer = Framer::new(&mut memory, small_table);
+        wire.0.borrow_mut().0.extend(request.frame(1, &mut framer).unwrap());
+        station.frame(&pixels(0), &Verdict::default()).unwrap();
+        assert!(station.control.is_capturing(), "the frame that was asked for is still to come");
+        assert_eq!(station.control.take_order(), Some(Order::Start));
+        station.frame(&pixels(1), &Verdict::default()).unwrap();
+        assert_eq!(station.control.take_order(), Some(Order::Stop));
+    });
+}
+
+#[test]
+fn a_palette_is_sent_with_its_stream_and_light_goes_on_from_frame_to_frame() {
+    with_station(|station, wire| {
+        let made = |station: &mut Station<'_, Loop, Memorized>, format| {
+            wire.0.borrow_mut().1.clear();
+            station.frame(&pixels(0), &Verdict::default()).unwrap();
+            frames(wire, MADE, format)[0].1.clone()
+        };
+        ask(station, wire, 1, Request::Streams(1 << MADE));
+        ask(station, wire, 2, Request::Stages(MADE, "balance"));
+        let (first, second) = (made(station, Format::RGB888), made(station, Format::RGB888));
+        assert!(first == pixels(0) && second != first, "the second frame is balanced by the first");
+        assert_eq!(ask(station, wire, 3, Request::Stages(MADE, "palette")).0, Status::Done);
+        let indices = made(station, Format::Index8);
+        assert!(indices.iter().all(|&index| index < 16) && indices.iter().any(|&index| index != indices[0]));
+        let mut palettes = 0;
+        station.announce().unwrap();
+        let mut room = vec![0; BODY_MAX];
+        Inbox::new(&mut room, small_table).feed(&wire.0.borrow().1, |received| {
+            palettes += u32::from(matches!(received, Received::Packet(Packet::Palette(_))));
+        });
+        assert_eq!(palettes, 1);
     });
 }

@@ -12,10 +12,8 @@
 //! | [`stream`] | the registers of a DMA stream, as numbers |
 //! | [`silicon`] | [`Silicon`](silicon::Silicon): reads and writes; [`Mmio`](silicon::Mmio) does them |
 //! | [`port`] | [`DcmiPort`](port::DcmiPort): the seam |
-//! | [`stages`] | [`Stages`](stages::Stages): the pipelines that the device can run, from text and back |
-//! | [`device`] | [`BoardDevice`](device::BoardDevice): what the link's commands do |
-//! | [`station`] | [`Station`](station::Station): the board's end of the serial line |
-//! | [`capture`] | [`Bench`](capture::Bench): frames out, commands in |
+//! | [`device`] | [`CameraBoard`](device::CameraBoard): what the host may see and set beside capture |
+//! | [`capture`](mod@capture) | frames out, commands in: [`capture`](capture::capture) |
 //! | `image` | what the images of all boards do: frame memory, ticks, bring-up, logs (feature `image`) |
 //!
 //! # Who owns the memory, and when
@@ -37,9 +35,7 @@ pub mod chip;
 pub mod stream;
 pub mod silicon;
 pub mod port;
-pub mod stages;
 pub mod device;
-pub mod station;
 pub mod capture;
 #[cfg(feature = "image")]
 pub mod image;

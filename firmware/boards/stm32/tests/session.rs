@@ -1,8 +1,10 @@
 //! A session of a board: frames out, commands in, on the block's own model and a sensor that sends for ever. What the images
 //! do is this, over the silicon.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::rc::Rc;
 
 use algos_nostd::quantize::Probe;
 use firmware::camif::pins::{Samples, Sync};
@@ -16,15 +18,16 @@ use firmware::link::{
     wire_bytes,
 };
 use firmware::pipeline::{Pipeline, Product};
+use firmware::sensor::Mode;
 use firmware::sensor::ov7670::OV7670;
-use firmware::sensor::{Mode, Model};
-use stm32::capture::{Bench, Ended, Time};
-use stm32::device::{BoardDevice, RAW, SensorRegisters, VISION, modes};
-use stm32::stages::{COLORS, Stages};
-use stm32::station::{Identity, Memory, Station};
+use firmware::station::{COLORS, Identity, MADE, Memory, RAW, Stages, Station};
+use stm32::capture::{Account, Ended, capture};
+use stm32::device::{CameraBoard, SensorRegisters, modes, picture as picture_of};
 
 const WIDTH: usize = 320;
 const HEIGHT: usize = 240;
+/// Microseconds a line: a frame takes 120 ms.
+const LINE_US: u64 = 500;
 
 /// Frame `number` of the sensor: its lower half is flat, so that there is an edge between.
 fn picture(number: usize) -> Vec<u8> {
@@ -42,6 +45,45 @@ fn picture(number: usize) -> Vec<u8> {
 /// What is asked, and when: by the lines that the sensor has sent.
 type Script = Vec<(u64, Request<'static>)>;
 
+thread_local! {
+    /// Microseconds, [`LINE_US`] a line.
+    static NOW: Cell<u64> = const { Cell::new(0) };
+}
+
+/// Both directions: what the device is to read, and what it wrote.
+#[derive(Clone, Default)]
+struct Line(Rc<RefCell<(VecDeque<u8>, Vec<u8>)>>);
+
+impl embedded_io::ErrorType for Line {
+    type Error = Infallible;
+}
+
+impl embedded_io::Read for Line {
+    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, Infallible> {
+        let inward = &mut self.0.borrow_mut().0;
+        let count = bytes.len().min(inward.len());
+        bytes.iter_mut().zip(inward.drain(..count)).for_each(|(to, from)| *to = from);
+        Ok(count)
+    }
+}
+
+impl embedded_io::ReadReady for Line {
+    fn read_ready(&mut self) -> Result<bool, Infallible> {
+        Ok(!self.0.borrow().0.is_empty())
+    }
+}
+
+impl embedded_io::Write for Line {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, Infallible> {
+        self.0.borrow_mut().1.extend(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
 /// The wires, and the host at the other end of the line.
 struct World<'a, F: Fn()> {
     camif: &'a RefCell<Camif<'static>>,
@@ -52,7 +94,7 @@ struct World<'a, F: Fn()> {
     asked: usize,
     /// The sensor falls silent after so many lines.
     silent: u64,
-    incoming: &'a RefCell<VecDeque<u8>>,
+    line: Line,
 }
 
 impl<F: Fn()> World<'_, F> {
@@ -64,12 +106,6 @@ impl<F: Fn()> World<'_, F> {
                 (self.on_interrupt)();
             }
         }
-    }
-}
-
-impl<F: Fn()> Time for World<'_, F> {
-    fn now(&mut self) -> u64 {
-        self.lines * 100
     }
 
     fn sleep(&mut self) -> u64 {
@@ -83,12 +119,11 @@ impl<F: Fn()> Time for World<'_, F> {
             let mut memory = [0; wire_bytes(512)];
             let mut framer = Framer::new(&mut memory, small_table);
             let wire = Packet::Command(command).frame(&mut framer).unwrap();
-            self.incoming.borrow_mut().extend(wire);
+            self.line.0.borrow_mut().0.extend(wire);
             self.asked += 1;
         }
         if self.lines >= self.silent {
-            self.lines += 1;
-            return self.now();
+            return self.line_passed();
         }
         // The OV7670's levels: HREF is high over data, VSYNC between frames.
         let (line, number) = (self.lines as usize % HEIGHT, self.lines as usize / HEIGHT);
@@ -99,8 +134,13 @@ impl<F: Fn()> Time for World<'_, F> {
         self.play(false, false, Samples::Repeat { value: 0, clocks: 100 });
         self.play(true, false, Samples::Bytes(&self.frame[line * 2 * WIDTH..][..2 * WIDTH]));
         self.play(false, line == HEIGHT - 1, Samples::Repeat { value: 0, clocks: 100 });
+        self.line_passed()
+    }
+
+    fn line_passed(&mut self) -> u64 {
         self.lines += 1;
-        self.now()
+        NOW.set(self.lines * LINE_US);
+        NOW.get()
     }
 }
 
@@ -126,7 +166,7 @@ impl SensorRegisters for Eight {
 /// What came of a session.
 struct Heard {
     ended: Ended,
-    state: State,
+    capturing: bool,
     packets: Vec<Vec<u8>>,
     /// Lines sent by the sensor.
     lines: u64,
@@ -138,26 +178,22 @@ fn session<const N: usize>(script: Script, policy: Policy) -> Heard {
 
 /// The same with a sensor that falls silent after so many lines.
 fn session_until<const N: usize>(script: Script, policy: Policy, silent: u64) -> Heard {
-    let model: &'static Model = &OV7670;
-    let mode = modes(model).next().unwrap();
+    let mode = modes(&OV7670).next().unwrap();
     let mut config = mode.capture(24_000_000);
     config.policy = policy;
     let buffers = std::array::from_fn(|_| &mut *vec![0; WIDTH * HEIGHT / 2].leak());
     let camif: &'static RefCell<Camif<'static>> =
         Box::leak(Box::new(RefCell::new(Camif::new(Part::STM32H7, Bus::IDEAL))));
     let camera = FrameCamera::<_, N>::new(camif, buffers).unwrap();
-    let incoming = RefCell::new(VecDeque::new());
-    let (mut wire, mut memory) = (Vec::new(), Memory::new());
-    let receive = |bytes: &mut [u8]| {
-        let mut incoming = incoming.borrow_mut();
-        let count = bytes.len().min(incoming.len());
-        bytes.iter_mut().zip(incoming.drain(..count)).for_each(|(to, from)| *to = from);
-        count
-    };
-    let identity = Identity { session: 7, baud: 921_600 };
-    let mut station = Station::new(&mut wire, receive, &mut memory, identity);
-    let mut device = BoardDevice::new(camif, Eight::default(), model);
-    station.announce(&device).unwrap();
+    let (line, mut memory, mut stages) =
+        (Line::default(), Memory::new(), vec![0; Stages::memory(WIDTH, HEIGHT)]);
+    let mut board = CameraBoard::new(camif, Eight::default());
+    board.found(&OV7670);
+    let identity = Identity { name: "ov7670", session: 7, baud: 921_600 };
+    let lent = (line.clone(), &mut memory, &mut stages[..]);
+    NOW.set(0);
+    let mut station = Station::new(lent, (board, picture_of(mode), 0), identity, || NOW.get());
+    station.announce().unwrap();
     let mut world = World {
         camif,
         on_interrupt: || camera.on_interrupt(),
@@ -166,12 +202,11 @@ fn session_until<const N: usize>(script: Script, policy: Policy, silent: u64) ->
         script,
         asked: 0,
         silent,
-        incoming: &incoming,
+        line: line.clone(),
     };
-    let mut stages = vec![0; Stages::memory(WIDTH, HEIGHT)];
-    let mut bench = Bench::new(&mut station, &mut device);
-    let ended = bench.capture(&camera, (mode, &config), &mut stages, &mut world);
-    let (lines, state) = (world.lines, device.state);
+    let ended = capture(&mut station, &camera, &config, &mut Account::default(), &mut || world.sleep());
+    let (lines, capturing) = (world.lines, station.control.is_capturing());
+    let wire = core::mem::take(&mut line.0.borrow_mut().1);
     let mut room = vec![0; BODY_MAX];
     let mut packets = Vec::new();
     let mut again = [0; wire_bytes(BODY_MAX)];
@@ -180,7 +215,7 @@ fn session_until<const N: usize>(script: Script, policy: Policy, silent: u64) ->
         let Received::Packet(packet) = received else { panic!("{received:?}") };
         packets.push(packet.frame(&mut framer).unwrap().to_vec());
     });
-    Heard { ended, state, packets, lines }
+    Heard { ended, capturing, packets, lines }
 }
 
 impl Heard {
@@ -225,8 +260,8 @@ impl Heard {
 fn made(stages: &str, mode: &Mode, bytes: &[u8]) -> Vec<u8> {
     let mut probes = [Probe::EMPTY; COLORS.len()];
     let mut memory = vec![0; Stages::memory(WIDTH, HEIGHT)];
-    let settings = Stages::read(stages).unwrap().settings(mode, &mut probes);
-    let mut pipeline = Pipeline::new(settings, &mut memory).unwrap();
+    let settings = Stages::read(stages).unwrap().settings(&picture_of(mode), &mut probes);
+    let mut pipeline = Pipeline::new(settings.unwrap(), &mut memory).unwrap();
     let mut made = Vec::new();
     let mut sink = |product: Product<'_>| match product {
         Product::Gray(line) | Product::Indices(line) => made.extend(line),
@@ -247,16 +282,16 @@ const EDGES: &str = "gray|gaussian:size=3|canny:low=20,high=60,norm=l1";
 
 /// Ends every session.
 fn end(at: u64) -> (u64, Request<'static>) {
-    (at, Request::Set(1, 1))
+    (at, Request::Set(2, 1))
 }
 
 #[test]
 fn frames_leave_from_power_up_on_and_the_stages_can_be_chosen() {
     let script = vec![
-        (FRAME * 5 / 2, Request::Stages(VISION, EDGES)),
+        (FRAME * 5 / 2, Request::Stages(MADE, EDGES)),
         (FRAME * 5 / 2 + 1, Request::Streams(0b11)),
-        (FRAME * 9 / 2, Request::Stages(VISION, "palette")),
-        (FRAME * 13 / 2, Request::Stages(VISION, "gray")),
+        (FRAME * 9 / 2, Request::Stages(MADE, "palette")),
+        (FRAME * 13 / 2, Request::Stages(MADE, "gray")),
         end(FRAME * 17 / 2),
     ];
     let heard = session::<3>(script, Policy::NewestWins);
@@ -267,7 +302,7 @@ fn frames_leave_from_power_up_on_and_the_stages_can_be_chosen() {
     for (sequence, bytes) in &raw {
         assert!(*bytes == picture(*sequence as usize), "frame {sequence} is as it was sent");
     }
-    let (vision, _) = heard.frames(VISION);
+    let (vision, _) = heard.frames(MADE);
     let expected = |number: &u32| match number {
         2..=3 => EDGES,
         4..=5 => "palette",
@@ -289,7 +324,7 @@ fn frames_leave_from_power_up_on_and_the_stages_can_be_chosen() {
             assert_eq!((beat.session, beat.baud, beat.state), (7, 921_600, State::Running));
             beats += 1;
         }
-        Packet::Stream(stream) if stream.stream == VISION => names.push(stream.pipeline.to_owned()),
+        Packet::Stream(stream) if stream.stream == MADE => names.push(stream.pipeline.to_owned()),
         _ => {}
     });
     assert!(palettes > 0 && beats > 0);
@@ -315,7 +350,7 @@ fn it_stops_takes_snapshots_and_sends_lines_again() {
         frames.iter().map(|(_, bytes)| sent.iter().position(|sent| sent == bytes).unwrap()).collect();
     assert_eq!(numbers, [1, 4, 5], "the first whole one, and after the stop the next two");
     assert!(frames.is_sorted_by_key(|frame| frame.0), "no number comes twice");
-    assert_eq!((doubled, heard.state), (3, State::Stopped));
+    assert_eq!((doubled, heard.capturing), (3, false));
     let replies = heard.replies();
     let statuses: Vec<Status> = replies.iter().map(|reply| reply.1).collect();
     assert_eq!(statuses, [Status::Done, Status::Done, Status::Gone, Status::Done, Status::Done]);
@@ -326,7 +361,7 @@ fn it_stops_takes_snapshots_and_sends_lines_again() {
     let heard = session::<1>(std::mem::take(&mut script), Policy::Snapshot);
     let (frames, doubled) = heard.frames(RAW);
     assert!(frames.len() >= 3 && frames.iter().all(|(_, bytes)| sent.contains(bytes)));
-    assert_eq!((heard.state, heard.replies()[0].1), (State::Stopped, Status::Done));
+    assert_eq!((heard.capturing, heard.replies()[0].1), (false, Status::Done));
     assert!(doubled == 3 || heard.replies()[1].1 == Status::Gone);
 }
 
@@ -339,10 +374,10 @@ fn registers_and_parameters_are_read_and_written() {
         (13, Request::Read { block: 1, count: 2, offset: 2 }),
         (14, Request::Read { block: 1, count: 1, offset: 8 }),
         (15, Request::Get(0)),
-        (16, Request::Set(0, 900)),
-        (17, Request::Set(2, 1)),
-        (18, Request::Get(3)),
-        (19, Request::Stages(VISION, "gray|median")),
+        (16, Request::Set(1, 900)),
+        (17, Request::Set(3, 1)),
+        (18, Request::Get(4)),
+        (19, Request::Stages(MADE, "gray|median")),
         (20, Request::Stages(RAW, "gray")),
         (21, Request::Streams(0b100)),
         (22, Request::Heartbeat),
@@ -386,10 +421,11 @@ fn registers_and_parameters_are_read_and_written() {
 
 #[test]
 fn a_sensor_that_stops_is_told_by_its_cause() {
-    let script = vec![(3, Request::Set(0, 100)), end(u64::MAX)];
+    let script = vec![(3, Request::Set(1, 300)), end(u64::MAX)];
     let heard = session_until::<3>(script, Policy::NewestWins, FRAME * 5 / 2);
     let Ended::Timeout(timeout) = &heard.ended else { panic!("{:?}", heard.ended) };
     assert!(matches!(timeout.cause, Cause::Unfinished { .. }), "{timeout}");
-    let waited = (heard.lines - FRAME * 5 / 2) / 10;
-    assert!((70..=101).contains(&waited), "the deadline that was set: {waited} ms");
+    // The wait began half a frame before.
+    let waited = (heard.lines - FRAME * 5 / 2) * LINE_US / 1_000;
+    assert!((230..=301).contains(&waited), "the deadline that was set: {waited} ms");
 }

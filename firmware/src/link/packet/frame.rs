@@ -18,13 +18,16 @@ pub struct Meaning {
 }
 
 impl Default for Meaning {
-    /// RGGB; BT.601 in limited range.
+    /// [`Meaning::DEFAULT`].
     fn default() -> Self {
-        Self { bayer: BayerOrder::Rggb, matrix: Matrix::Bt601, range: Range::Limited }
+        Self::DEFAULT
     }
 }
 
 impl Meaning {
+    /// RGGB; BT.601 in limited range.
+    pub const DEFAULT: Self = Self { bayer: BayerOrder::Rggb, matrix: Matrix::Bt601, range: Range::Limited };
+
     pub(super) fn from_code(code: u8) -> Self {
         Self {
             bayer: match code & 3 {

@@ -9,8 +9,7 @@ use exercise::replay::scenario::{STREAM, STREAM_SIZE};
 use firmware::driver::{Frame, FrameCamera};
 use firmware::link::packet::{Level, Meaning};
 use firmware::link::{Format, SendError};
-use firmware::pipeline::Settings;
-use firmware::station::{Memory, Order, Picture, Station};
+use firmware::station::{Identity, Memory, Order, Picture, Stages, Station};
 use firmware::trace::ChunkBuffer;
 use mps2::rig::{OnBlock, Recording};
 use mps2::uart::Uart;
@@ -20,8 +19,8 @@ use static_cell::ConstStaticCell;
 const WORDS: usize = (STREAM_SIZE.0 * STREAM_SIZE.1 * 3 / 4) as usize;
 /// Frame buffers: one that fills, one that is sent, one that is held for lines that are asked for again.
 const FRAMES: usize = 3;
-/// Words of the stages: Canny takes most.
-const VISION: usize = Settings::canny_memory(STREAM_SIZE.0 as usize, STREAM_SIZE.1 as usize);
+/// Words of the stages, whatever they are.
+const VISION: usize = Stages::memory(STREAM_SIZE.0 as usize, STREAM_SIZE.1 as usize);
 /// What is told of the stack whenever capture stops.
 const STACK: &str = "stack high-water mark, bytes";
 /// Milliseconds from frame to frame, at first.
@@ -46,6 +45,7 @@ fn main() -> ! {
         exit::failure()
     };
     let picture = Picture {
+        name: "raw",
         width: STREAM_SIZE.0 as u16,
         height: STREAM_SIZE.1 as u16,
         format: Format::RGB888,
@@ -55,7 +55,7 @@ fn main() -> ! {
     let mut station = Station::new(
         (Uart::start(), memory, &mut vision[..]),
         (OnBlock, picture, PERIOD),
-        (concat!("camif qemu_stream ", env!("CARGO_PKG_VERSION")), session),
+        Identity { name: concat!("camif qemu_stream ", env!("CARGO_PKG_VERSION")), session, baud: 0 },
         uptime::microseconds,
     );
     sent(station.announce());

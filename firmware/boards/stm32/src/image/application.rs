@@ -1,27 +1,29 @@
 //! Sensor, capture, frames: what an image does from power-up on, for ever.
 
+use core::fmt::Display;
+
 use defmt::{Display2Format, error, info, warn};
 use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c::I2c;
-use embedded_io::{Read, ReadReady, Write};
 use firmware::driver::config::Policy;
 use firmware::link::packet::Level;
-use firmware::port::Registers;
 use firmware::sensor::{MODELS, Model, Sensor, SensorError, power_up};
+use firmware::station::{Identity, Memory, Stages, Station, Wire};
 
 use super::serve::{self, Camera};
-use super::ticks::{Clock, Delay};
-use crate::capture::{Bench, Ended, Time};
-use crate::device::{BoardDevice, SensorRegisters, Window};
+use super::ticks::{self, Delay};
+use crate::capture::{Account, Ended, capture};
+use crate::device::{CameraBoard, NO_PICTURE, SensorRegisters, Window, picture};
 use crate::silicon::Mmio;
-use crate::stages::Stages;
-use crate::station::{Identity, Memory, Station};
 
 /// Words of memory for the stages, whatever they are: QVGA.
 pub const STAGES: usize = Stages::memory(320, 240);
 
+/// Microseconds from a failure to the next try.
+const AGAIN: u64 = 2_000_000;
+
 /// What a board has for its sensor.
-pub struct Board<I2C, R, W, S, T> {
+pub struct Parts<I2C, R, W, S> {
     /// SCCB.
     pub i2c: I2C,
     /// RESET of the sensor.
@@ -34,49 +36,46 @@ pub struct Board<I2C, R, W, S, T> {
     pub hclk_hz: u32,
     /// How frames are taken.
     pub policy: Policy,
-    /// The serial line on which frames leave.
+    /// The serial line on which frames leave and commands come in.
     pub serial: S,
-    /// The serial line on which commands come in.
-    pub commands: T,
-    /// DCMI's registers, for who looks at them over the line.
-    pub registers: Window<Mmio>,
     /// Rate of the line, bits a second.
     pub baud: u32,
+    /// DCMI's registers, for who looks at them over the line.
+    pub registers: Window<Mmio>,
 }
 
 /// A sensor's registers as the link reaches them.
-struct Wired<'i, I2C>(Sensor<&'i mut I2C>);
+struct Wired<I2C> {
+    i2c: I2C,
+    model: Option<&'static Model>,
+}
 
-impl<I2C: I2c> SensorRegisters for Wired<'_, I2C> {
+impl<I2C: I2c> Wired<I2C> {
+    fn sensor(&mut self) -> Option<Sensor<&mut I2C>> {
+        Some(Sensor::new(&mut self.i2c, self.model?))
+    }
+}
+
+impl<I2C: I2c> SensorRegisters for Wired<I2C> {
     fn read(&mut self, register: u16) -> Option<u16> {
-        self.0.read(register).ok()
+        self.sensor()?.read(register).ok()
     }
 
     fn write(&mut self, register: u16, value: u16) -> bool {
-        self.0.write(register, value).is_ok()
+        self.sensor().is_some_and(|mut sensor| sensor.write(register, value).is_ok())
     }
 
     fn pattern(&mut self, on: bool) -> bool {
-        self.0.test_pattern(on, &mut Delay).is_ok()
+        self.sensor().is_some_and(|mut sensor| sensor.test_pattern(on, &mut Delay).is_ok())
     }
 }
 
-/// The registers through a reference.
-struct Lent<'r>(&'r mut Window<Mmio>);
-
-impl Registers for Lent<'_> {
-    fn read(&mut self, register: firmware::port::Register) -> u32 {
-        self.0.read(register)
-    }
-
-    fn write(&mut self, register: firmware::port::Register, value: u32) {
-        self.0.write(register, value);
-    }
-}
+/// The device on the line.
+type Device<'m, I2C, S> = Station<'m, S, CameraBoard<Window<Mmio>, Wired<I2C>>>;
 
 /// Brings the sensor up and captures for ever. What fails is logged, with what to check, and tried again.
-pub fn run<I2C, R, W, S, T, const N: usize>(
-    board: Board<I2C, R, W, S, T>,
+pub fn run<I2C, R, W, S, const N: usize>(
+    parts: Parts<I2C, R, W, S>,
     camera: &'static Camera<N>,
     memory: &mut Memory,
     stages: &mut [u32; STAGES],
@@ -85,88 +84,96 @@ where
     I2C: I2c,
     R: OutputPin,
     W: OutputPin,
-    S: Write,
-    T: Read + ReadReady,
+    S: Wire,
 {
     serve::register(camera);
-    let Board { mut i2c, mut reset, mut power_down, serial, mut commands, mut registers, .. } = board;
-    let receive = |bytes: &mut [u8]| match commands.read_ready() {
-        Ok(true) => commands.read(bytes).unwrap_or(0),
-        _ => 0,
-    };
-    let identity = Identity { session: 1, baud: board.baud };
-    let mut station = Station::new(serial, receive, memory, identity);
-    let mut clock = Clock::default();
+    let Parts { i2c, mut reset, mut power_down, sensor_hz, hclk_hz, policy, serial, baud, registers } = parts;
+    let board = CameraBoard::new(registers, Wired { i2c, model: None });
+    let identity = Identity { name: "camif", session: 1, baud };
+    let lent = (serial, memory, &mut stages[..]);
+    let mut station = Station::new(lent, (board, NO_PICTURE, 0), identity, ticks::microseconds);
+    let mut account = Account::default();
     loop {
-        match find(&mut i2c, &mut reset, &mut power_down) {
-            Ok((model, sensor)) => {
-                let mut device = BoardDevice::new(Lent(&mut registers), Wired(sensor), model);
-                let _ = station.announce(&device);
-                let mut bench = Bench::new(&mut station, &mut device);
-                if let Err(failure) = film(
-                    &mut bench,
-                    (board.sensor_hz, board.hclk_hz, board.policy),
-                    camera,
-                    stages,
-                    &mut clock,
-                ) {
-                    error!("{}", Display2Format(&failure));
-                    let _ = station.log(Level::Error, clock.now(), &failure);
-                }
+        let sensor = &mut station.control.board.sensor;
+        let failure = match find(&mut sensor.i2c, &mut reset, &mut power_down) {
+            Ok(model) => {
+                sensor.model = Some(model);
+                station.control.board.found(model);
+                station.rename(model.name);
+                film(&mut station, (sensor_hz, hclk_hz, policy), camera, &mut account)
             }
-            Err(failure) => {
-                error!("{}", Display2Format(&failure));
-                let _ = station.log(Level::Error, clock.now(), &failure);
-            }
-        }
+            Err(failure) => failure,
+        };
+        error!("{}", Display2Format(&failure));
+        tell(&mut station, Level::Error, &failure);
         // Wires may be moved meanwhile.
-        let again = clock.now() + 2_000_000;
-        while clock.sleep() < again {}
+        rest(&mut station);
     }
 }
 
 /// Programs the mode that is wanted and captures, until the sensor fails.
-fn film<I2C: I2c, S: Write, F: FnMut(&mut [u8]) -> usize, const N: usize>(
-    bench: &mut Bench<'_, '_, S, F, Lent<'_>, Wired<'_, I2C>>,
+fn film<I2C: I2c, S: Wire, const N: usize>(
+    station: &mut Device<'_, I2C, S>,
     (sensor_hz, hclk_hz, policy): (u32, u32, Policy),
     camera: &'static Camera<N>,
-    stages: &mut [u32; STAGES],
-    clock: &mut Clock,
-) -> Result<(), SensorError> {
+    account: &mut Account,
+) -> SensorError {
+    let mut announced = false;
     loop {
-        let Some(mode) = bench.device.mode() else { return Err(SensorError::NotFound { tried: 1 }) };
-        bench.device.sensor.0.start(mode, &mut Delay)?;
-        bench.device.programmed();
-        info!("{=str} sends {=str}", bench.device.sensor.0.model().name, mode.name);
-        let _ = bench.station.streams(bench.device, u32::MAX);
+        let board = &mut station.control.board;
+        let (Some(mode), Some(mut sensor)) = (board.mode(), board.sensor.sensor()) else {
+            return SensorError::NotFound { tried: 0 };
+        };
+        if let Err(failure) = sensor.start(mode, &mut Delay) {
+            return failure;
+        }
+        info!("{=str} sends {=str}", sensor.model().name, mode.name);
+        board.programmed();
+        station.control.show(picture(mode));
+        if !announced {
+            let _ = station.announce();
+            announced = true;
+        }
         let mut config = mode.capture(sensor_hz);
         (config.policy, config.hclk_hz) = (policy, hclk_hz);
-        match bench.capture(camera, (mode, &config), stages, clock) {
+        match capture(station, camera, &config, account, &mut ticks::sleep) {
             Ended::Mode => {}
             Ended::Timeout(timeout) => {
                 warn!("{}", Display2Format(&timeout));
-                let _ = bench.station.log(Level::Warning, clock.now(), &timeout);
+                tell(station, Level::Warning, &timeout);
             }
             Ended::Refused(refusal) => {
                 error!("{}", Display2Format(&refusal));
-                let _ = bench.station.log(Level::Error, clock.now(), &refusal);
-                let again = clock.now() + 2_000_000;
-                while clock.sleep() < again {}
+                tell(station, Level::Error, &refusal);
+                rest(station);
             }
         }
     }
 }
 
+/// Says it on the line as well.
+fn tell<I2C: I2c, S: Wire>(station: &mut Device<'_, I2C, S>, level: Level, what: &dyn Display) {
+    let _ = station.log(level, format_args!("{what}"));
+}
+
+/// Answers commands for a while.
+fn rest<I2C: I2c, S: Wire>(station: &mut Device<'_, I2C, S>) {
+    let again = ticks::microseconds() + AGAIN;
+    while ticks::sleep() < again {
+        let _ = station.serve();
+    }
+}
+
 /// Powers the sensor up, and finds which one it is.
-fn find<'i, I2C: I2c>(
-    i2c: &'i mut I2C,
+fn find<I2C: I2c>(
+    i2c: &mut I2C,
     reset: &mut impl OutputPin,
     power_down: &mut impl OutputPin,
-) -> Result<(&'static Model, Sensor<&'i mut I2C>), SensorError> {
+) -> Result<&'static Model, SensorError> {
     // The slowest of them to come out of reset.
     let slowest =
         MODELS.iter().max_by_key(|model| model.power.settle).ok_or(SensorError::NotFound { tried: 0 })?;
     power_up(slowest, reset, power_down, &mut Delay)?;
     let sensor = Sensor::detect(i2c, &MODELS).map_err(|(failure, _)| failure)?;
-    Ok((sensor.model(), sensor))
+    Ok(sensor.model())
 }

@@ -7,6 +7,8 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::exception;
 
 static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
+/// How often they have wrapped.
+static WRAPS: AtomicU32 = AtomicU32::new(0);
 
 /// Starts counting.
 pub fn start(mut systick: SYST, core_hz: u32) {
@@ -26,28 +28,30 @@ pub fn now() -> u32 {
 #[exception]
 fn SysTick() {
     // One writer, and no read-modify-write by others: a load and a store are enough.
-    MILLISECONDS.store(now().wrapping_add(1), Ordering::Relaxed);
+    let next = now().wrapping_add(1);
+    MILLISECONDS.store(next, Ordering::Relaxed);
+    if next == 0 {
+        WRAPS.store(WRAPS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+    }
 }
 
-/// The time on the link: SysTick's milliseconds, in microseconds, without its wrap.
-#[derive(Debug, Default)]
-pub struct Clock {
-    last: u32,
-    wrapped: u64,
+/// The time on the link: microseconds since [`start`], in steps of a millisecond; does not wrap. Not for handlers.
+#[must_use]
+pub fn microseconds() -> u64 {
+    loop {
+        let wraps = WRAPS.load(Ordering::Relaxed);
+        let milliseconds = now();
+        // The handler comes as a whole between two of these loads.
+        if wraps == WRAPS.load(Ordering::Relaxed) {
+            return ((u64::from(wraps) << 32) + u64::from(milliseconds)) * 1_000;
+        }
+    }
 }
 
-impl crate::capture::Time for Clock {
-    fn now(&mut self) -> u64 {
-        let now = now();
-        self.wrapped += u64::from(now < self.last);
-        self.last = now;
-        ((self.wrapped << 32) + u64::from(now)) * 1_000
-    }
-
-    fn sleep(&mut self) -> u64 {
-        cortex_m::asm::wfi();
-        self.now()
-    }
+/// Sleeps until something happens, a tick at the latest; returns the time then, as [`microseconds`].
+pub fn sleep() -> u64 {
+    cortex_m::asm::wfi();
+    microseconds()
 }
 
 /// Waits whole milliseconds, rounded up; asleep but for the ticks.

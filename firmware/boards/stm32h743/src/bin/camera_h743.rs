@@ -9,12 +9,12 @@ use cortex_m_rt::entry;
 use defmt_rtt as _;
 use embassy_stm32::pac::interrupt;
 use firmware::driver::FrameCamera;
+use firmware::station::Memory;
 use panic_probe as _;
 use static_cell::ConstStaticCell;
 use stm32::image::application::{self, STAGES};
 use stm32::image::serve::{self, Camera};
 use stm32::image::ticks;
-use stm32::station::Memory;
 use stm32h743::{CORE_HZ, FRAMES, MEMORY};
 
 #[interrupt]
@@ -33,12 +33,12 @@ fn main() -> ! {
     static VISION: ConstStaticCell<[u32; STAGES]> = ConstStaticCell::new([0; STAGES]);
     static mut CAMERA: MaybeUninit<Camera<FRAMES>> = MaybeUninit::uninit();
     let Some(mut core) = Peripherals::take() else { unreachable!("the program starts once") };
-    let (board, port) = stm32h743::init(&mut core.MPU, &mut core.SCB, &mut core.CPUID);
+    let (parts, port) = stm32h743::init(&mut core.MPU, &mut core.SCB, &mut core.CPUID);
     ticks::start(core.SYST, CORE_HZ);
     // SAFETY: the only call, for the program starts once.
     let frames = unsafe { MEMORY.claim() };
     let Ok(camera) = FrameCamera::new(port, frames) else { unreachable!("a new port holds no memory") };
     let camera = CAMERA.write(camera);
     stm32h743::unmask();
-    application::run(board, camera, LINE.take(), VISION.take())
+    application::run(parts, camera, LINE.take(), VISION.take())
 }
