@@ -64,7 +64,7 @@ impl<S: Silicon> DcmiPort<'_, S> {
     fn aimed(&self, target: Target, words: u32) -> Result<u32, DmaError> {
         let nowhere = DmaError::Unsupported { what: "target that was never aimed" };
         let (slot, start) = self.aims[target as usize].ok_or(nowhere)?;
-        let lent = self.lent[slot].ok_or(DmaError::NotLent { slot })?;
+        let lent = self.lent.get(slot).copied().flatten().ok_or(DmaError::NotLent { slot })?;
         let needed = start.saturating_add(words as usize);
         if needed > lent.words {
             return Err(DmaError::OutOfBounds { slot, needed, lent: lent.words });
