@@ -10,7 +10,7 @@ read_options() {
   while [ $# -gt 0 ]; do
     case $1 in
       --install) install=yes ;;
-      --numbers) filter=numbers:: ;;
+      --numbers) filter=numbers::; VM_SECONDS=${VM_SECONDS:-400} ;;
       --keep) keep=${2:?--keep needs a folder}; shift ;;
       -*) sed -n '2,/^set/{/^set/!s/^# \{0,1\}//p}' "$0"; exit 2 ;;
       *) tests+=("$1") ;;

@@ -35,6 +35,8 @@ pub struct Session {
     pub statistics: Statistics,
     /// From the start to the last frame.
     pub took: Duration,
+    /// From the first frame to the last.
+    pub between: Duration,
     /// Processor time of taking frames and of what is done with them; nothing where the system does not tell.
     pub processor: Option<Duration>,
     /// Why it ended before its time. What was taken by then is in the output.
@@ -100,8 +102,8 @@ fn take(
     let converter = Converter::new(device.format());
     let mut statistics = Statistics::default();
     let started = Instant::now();
-    let mut last = started;
-    let mut used = 0;
+    let (mut first, mut last) = (None, started);
+    let (mut used, mut between) = (0, Duration::ZERO);
     let mut error = None;
     while !ends() && limits.frames.is_none_or(|frames| used < frames) {
         let waited = last.elapsed();
@@ -122,6 +124,7 @@ fn take(
             }
         };
         last = Instant::now();
+        between = last - *first.get_or_insert(last);
         let planes = frame.planes();
         statistics.saw(frame.sequence(), planes.iter().map(|plane| plane.len()).sum());
         if frame.is_damaged() {
@@ -139,7 +142,7 @@ fn take(
         }
         watch(&statistics);
     }
-    Session { statistics, took: last - started, processor: None, error }
+    Session { statistics, took: last - started, between, processor: None, error }
 }
 
 /// Whether a frame found its place.

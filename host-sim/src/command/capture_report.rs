@@ -29,6 +29,7 @@ pub(super) struct DeviceReport {
     statistics: Statistics,
     /// From the start to the last frame.
     seconds: f64,
+    /// From the first frame on; 0 of fewer than two.
     frames_per_second: f64,
     /// Processor time of a frame, in all threads.
     processor_ms_per_frame: Option<f64>,
@@ -78,7 +79,8 @@ impl DeviceReport {
         let statistics = session.statistics;
         let used = (statistics.good + statistics.broken).saturating_sub(statistics.dropped).max(1);
         self.seconds = session.took.as_secs_f64();
-        self.frames_per_second = rate(statistics.taken, session.took);
+        // Frames after the first: that one waits for the device to start.
+        self.frames_per_second = rate(statistics.taken.saturating_sub(1), session.between);
         let per_frame = |time: Duration| time.as_secs_f64() * 1e3 / statistics.taken.max(1) as f64;
         self.processor_ms_per_frame = session.processor.map(per_frame);
         self.copied_bytes_per_frame = statistics.copied_bytes / used;
@@ -159,7 +161,10 @@ impl fmt::Display for DeviceReport {
         write!(f, "  format     {} {} × {}", self.format, self.width, self.height)?;
         writeln!(f, "{}", self.rate.map_or_else(String::new, |rate| format!(", {rate:.2} frames a second")))?;
         writeln!(f, "  frames     {}, {}", grouped(statistics.taken), faults(statistics))?;
-        write!(f, "  took       {:.2} s, {:.2} frames a second", self.seconds, self.frames_per_second)?;
+        write!(f, "  took       {:.2} s", self.seconds)?;
+        if self.frames_per_second > 0.0 {
+            write!(f, ", {:.2} frames a second", self.frames_per_second)?;
+        }
         let processor = self.processor_ms_per_frame;
         writeln!(
             f,

@@ -11,6 +11,9 @@ use super::refusal::{refused, unknown};
 /// `V4L2_FIELD_…` of whole frames: any, none, interlaced in its three kinds.
 const WHOLE_FRAMES: [u32; 5] = [0, 1, 4, 8, 9];
 
+/// `V4L2_FIELD_NONE`
+const PROGRESSIVE: u32 = 1;
+
 pub(super) fn set_format(
     device: &Device,
     settings: &Settings,
@@ -34,7 +37,11 @@ pub(super) fn set_format(
             refused(device, format!("{code} at {} × {}", size.0, size.1), &error, "ask for another")
         })
     };
-    let mut format = ask(size)?;
+    // What is set so is left as it is: with it goes a gap between lines that somebody has asked for.
+    let is_set = settings.crop.is_none()
+        && (current.code, current.width, current.height, current.field)
+            == (code, size.0, size.1, PROGRESSIVE);
+    let mut format = if is_set { current } else { ask(size)? };
     if let Some((left, top, width, height)) = settings.crop {
         let crop = Rectangle { left, top, width, height };
         device.set_crop(crop).map_err(|error| {

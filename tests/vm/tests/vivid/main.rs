@@ -11,6 +11,7 @@ use camif_vm::command::{Finished, run};
 
 mod list;
 mod formats;
+mod strides;
 mod settings;
 mod errors;
 mod live;

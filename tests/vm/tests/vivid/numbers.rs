@@ -1,84 +1,126 @@
 //! Frames a second and processor time, beside `v4l2-ctl --stream-mmap`: `tests/vm/run --numbers`.
 
-use camif_vm::command::{host_sim, run};
+use camif_vm::command::{Finished, host_sim, run};
 
 use crate::{ONE, cameras};
 
-/// Hundredths of a second of processor that all children have taken so far, in themselves and in the kernel.
-fn children() -> (u64, u64) {
+/// Milliseconds of processor that all children have taken so far, in themselves and in the kernel, in steps of ten.
+fn children() -> [u64; 2] {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap();
     let fields: Vec<&str> = text.rsplit(')').next().unwrap().split_whitespace().collect();
-    (fields[13].parse().unwrap(), fields[14].parse().unwrap())
+    [13, 14].map(|index| 10 * fields[index].parse::<u64>().unwrap())
 }
 
-/// What it took, in milliseconds a frame.
-fn measured<T>(frames: u64, what: impl FnOnce() -> T) -> (T, [f64; 2]) {
-    let before = children();
-    let result = what();
-    let after = children();
-    (result, [after.0 - before.0, after.1 - before.1].map(|ticks| ticks as f64 * 10.0 / frames as f64))
+/// What a program did and took.
+struct Measured {
+    frames_per_second: f64,
+    lost: u64,
+    /// Of a frame after the first: what starting takes is not in it.
+    user_ms: f64,
+    kernel_ms: f64,
+}
+
+fn measure(
+    frames: u64,
+    capture: impl Fn(u64) -> Finished,
+    read: impl Fn(&Finished) -> (f64, u64),
+) -> Measured {
+    let spent = |frames| {
+        let before = children();
+        let finished = capture(frames).expect(0);
+        let after = children();
+        (finished, [after[0] - before[0], after[1] - before[1]])
+    };
+    let (_, start) = spent(1);
+    let (finished, all) = spent(frames);
+    let of_a_frame = |index: usize| (all[index] as f64 - start[index] as f64) / (frames - 1) as f64;
+    let (frames_per_second, lost) = read(&finished);
+    Measured { frames_per_second, lost, user_ms: of_a_frame(0), kernel_ms: of_a_frame(1) }
+}
+
+/// The last mean that `v4l2-ctl --verbose` shows, in lines such as `… seq: 249 … fps: 25.00 …`, and gaps in its numbers.
+fn of_v4l2_ctl(finished: &Finished) -> (f64, u64) {
+    let said = format!("{}{}", finished.stdout, finished.stderr);
+    let after =
+        |line: &str, name: &str| line.split_once(name)?.1.split_whitespace().next().map(str::to_owned);
+    let sequences: Vec<u64> = said.lines().filter_map(|line| after(line, "seq:")?.parse().ok()).collect();
+    let rate = said.lines().filter_map(|line| after(line, "fps:")?.parse().ok()).next_back();
+    let lost = sequences.windows(2).map(|pair| pair[1] - pair[0] - 1).sum();
+    (rate.unwrap_or(0.0), lost)
 }
 
 #[test]
 #[ignore = "tests/vm/run --numbers"]
 fn numbers() {
     cameras();
-    println!("{:24} {:>12} {:>8} {:>14} {:>14}", "", "granted", "got", "user ms/frame", "kernel ms/frame");
-    for (size, code, rate, frames) in [
-        ("640x480", "YUYV", "60", 250),
-        ("640x480", "RGB3", "60", 250),
-        ("1920x1080", "YUYV", "60", 50),
-        ("1920x1080", "RGB3", "60", 50),
+    println!("{:28} {:>10} {:>6} {:>15} {:>15}", "", "frames/s", "lost", "user ms/frame", "kernel ms/frame");
+    for (size, code, frames) in [
+        ("640x480", "YUYV", 150),
+        ("640x480", "RGB3", 150),
+        ("1920x1080", "YUYV", 30),
+        ("1920x1080", "RGB3", 30),
     ] {
         let (width, height) = size.split_once('x').unwrap();
-        let count = frames.to_string();
-        for round in 0..3 {
-            let ours = || {
-                let asked = [
-                    "capture", "--v4l2", ONE, "--size", size, "--format", code, "--rate", rate, "--frames",
-                    &count,
-                ];
-                host_sim(&[&asked[..], &["--json"]].concat()).expect(0).device()
-            };
-            let theirs = || {
-                let ask = format!("--set-fmt-video=width={width},height={height},pixelformat={code}");
-                let count = format!("--stream-count={frames}");
-                let rate = format!("--set-parm={rate}");
-                run("v4l2-ctl", &["-d", ONE, &ask, &rate, "--stream-mmap=8", &count, "--verbose"]).expect(0)
-            };
-            // Either goes first in turn.
-            let (mut first, mut second) = (None, None);
-            if round % 2 == 1 {
-                second = Some(measured(frames, theirs));
-            }
-            first.get_or_insert_with(|| measured(frames, ours));
-            let (theirs, spent) = second.take().unwrap_or_else(|| measured(frames, theirs));
-            let (ours, our_time) = first.unwrap();
-            // Its lines end in "sequence: N … fps: F dropped: D"; the last mean is what it shows.
-            let said = format!("{}{}", theirs.stdout, theirs.stderr);
-            let lines = said.lines().filter(|line| line.contains("fps"));
-            let fps = lines
-                .filter_map(|line| line.split("fps").next()?.split_whitespace().last().map(str::to_owned))
-                .next_back();
-            let dropped = said.lines().filter(|line| line.contains("dropped")).count();
+        let ours = |frames: u64| {
+            let count = frames.to_string();
+            host_sim(&[
+                "capture", "--v4l2", ONE, "--size", size, "--format", code, "--rate", "60", "--frames",
+                &count, "--json",
+            ])
+        };
+        let theirs = |frames: u64| {
+            let ask = format!("--set-fmt-video=width={width},height={height},pixelformat={code}");
+            let count = format!("--stream-count={frames}");
+            run("v4l2-ctl", &["-d", ONE, &ask, "--set-parm=60", "--stream-mmap=8", &count, "--verbose"])
+        };
+        let of_ours = |finished: &Finished| {
+            let device = finished.device();
+            (device["frames_per_second"].as_f64().unwrap(), device["lost"].as_u64().unwrap())
+        };
+        // Each goes first in turn.
+        let mut rows = vec![
+            ("host-sim", measure(frames, ours, of_ours)),
+            ("v4l2-ctl", measure(frames, theirs, of_v4l2_ctl)),
+        ];
+        rows.push(("v4l2-ctl", measure(frames, theirs, of_v4l2_ctl)));
+        rows.push(("host-sim", measure(frames, ours, of_ours)));
+        rows.sort_by_key(|(program, _)| *program);
+        for (program, row) in rows {
             println!(
-                "{size:10} {code} host-sim  {:>12.2} {:>8.2} {:>14.2} {:>14.2}   {} lost",
-                ours["rate"].as_f64().unwrap(),
-                ours["frames_per_second"].as_f64().unwrap(),
-                our_time[0],
-                our_time[1],
-                ours["lost"]
+                "{size:10} {code:5} {program:11} {:>10.2} {:>6} {:>15.2} {:>15.2}",
+                row.frames_per_second, row.lost, row.user_ms, row.kernel_ms
             );
-            println!(
-                "{size:10} {code} v4l2-ctl  {:>12} {:>8} {:>14.2} {:>14.2}   {dropped} lines with drops",
-                "",
-                fps.unwrap_or_default(),
-                spent[0],
-                spent[1]
-            );
-            if round == 0 {
-                println!("{}", said.lines().rev().take(3).collect::<Vec<_>>().join("\n"));
-            }
         }
+    }
+}
+
+/// What is copied of a frame between the driver's memory and where it goes.
+#[test]
+#[ignore = "tests/vm/run --numbers"]
+fn numbers_of_memory() {
+    cameras();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("frames");
+    let trace = folder.path().join("trace.camt");
+    let (out, trace) = (out.to_str().unwrap(), trace.to_str().unwrap());
+    println!("{:28} {:>12} {:>12} {:>14}", "640x480", "a frame", "copied", "made pictures");
+    for (what, code, more) in [
+        ("RGB3, looked at", "RGB3", &[][..]),
+        ("RGB3, --keep raw", "RGB3", &["--out", out, "--keep", "raw"]),
+        ("RGB3, --keep png", "RGB3", &["--out", out, "--keep", "png"]),
+        ("YUYV, --keep both", "YUYV", &["--out", out]),
+        ("NV12, --keep raw", "NV12", &["--out", out, "--keep", "raw"]),
+        ("RGB3, --as-trace", "RGB3", &["--as-trace", trace, "--profile", "vga-rgb888"]),
+    ] {
+        let asked =
+            ["capture", "--v4l2", ONE, "--size", "640x480", "--format", code, "--frames", "3", "--json"];
+        let device = host_sim(&[&asked[..], more].concat()).expect(0).device();
+        let of = |name: &str| device[name].as_u64().unwrap();
+        println!(
+            "{what:28} {:>12} {:>12} {:>14}",
+            of("bytes") / of("taken"),
+            of("copied_bytes_per_frame"),
+            of("converted_bytes_per_frame")
+        );
     }
 }
