@@ -85,6 +85,41 @@ fn exports_of_sigrok_name_the_planted_fault() {
     }
 }
 
+/// `sigrok-cli` breaks a session into pieces of 4 MiB, which are named so that the tenth stands before the second.
+#[test]
+fn a_session_of_many_pieces_holds_the_frames_that_were_sent() {
+    if Command::new("sigrok-cli").arg("--version").output().is_err() {
+        eprintln!("skipped: no sigrok-cli (apt install sigrok-cli)");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &str| {
+        let arguments: Vec<&str> = arguments.split(' ').collect();
+        let (status, text) = host_sim(folder.path(), &arguments);
+        assert_eq!(status, Some(0), "{text}");
+        text
+    };
+    for name in ["a.camt", "a.sr"] {
+        run(&format!("generate --scene demo --profile vga-rgb888-gated --frames 3 -o {name}"));
+    }
+    let mut sigrok = Command::new("sigrok-cli");
+    let sigrok = sigrok.current_dir(folder.path()).args(["-i", "a.sr", "-O", "srzip", "-o", "b.sr"]);
+    assert!(sigrok.status().unwrap().success());
+    let archive = zip::ZipArchive::new(std::fs::File::open(folder.path().join("b.sr")).unwrap()).unwrap();
+    let names = archive.file_names().map(Result::unwrap);
+    let pieces = names.filter(|name| name.starts_with("logic-1-")).count();
+    assert!(pieces >= 10, "{pieces} pieces");
+    let frames = |name: &str| {
+        let text = run(&format!("replay {name} --profile vga-rgb888-gated --json"));
+        let json: serde_json::Value = serde_json::from_str(&text[..=text.rfind('}').unwrap()]).unwrap();
+        let frames = json["frames"].as_array().unwrap().iter();
+        frames.map(|frame| (frame["crc32"].to_string(), frame["verdict"].to_string())).collect::<Vec<_>>()
+    };
+    let sent = frames("a.camt");
+    assert_eq!(sent.len(), 3);
+    assert_eq!(frames("b.sr"), sent);
+}
+
 /// Channels in the order of Logic 2's columns: PCLK, HSYNC, VSYNC, D7 to D0.
 const CHANNELS: [&str; 11] = ["PCLK", "HSYNC", "VSYNC", "D7", "D6", "D5", "D4", "D3", "D2", "D1", "D0"];
 
