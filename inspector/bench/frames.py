@@ -91,7 +91,7 @@ def measure(program: Path, image: Path, stream: str, stages: str, encoding: int,
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=10.0, help="least time a cell (%(default)s)")
-    parser.add_argument("--image", type=Path, default=TOP / "tests/data/photographs/coffee.png")
+    parser.add_argument("--image", type=Path, default=TOP / "tests/data/photographs/colour/coffee.jpg")
     parser.add_argument("--rate", type=int, nargs="*", default=RATES, metavar="BAUD")
     parser.add_argument("--only", default="", help="rows whose name has this")
     found = os.environ.get("CAMIF_HOST_SIM", TOP / "target/release/host-sim")

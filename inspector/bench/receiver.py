@@ -23,7 +23,7 @@ from camif_inspect import encodings, formats
 from camif_inspect.frame import Frame
 from camif_inspect.receiver import Receiver
 
-PHOTOGRAPHS = Path(__file__).parents[2] / "tests" / "data" / "photographs"
+PHOTOGRAPHS = Path(__file__).parents[2] / "tests" / "data" / "photographs" / "colour"
 PIECE = 1 << 20
 
 
@@ -65,7 +65,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=1.0, help="time a row")
     parser.add_argument("--frames", type=int, default=8, help="frames a stream")
-    parser.add_argument("--image", type=Path, default=next(iter(sorted(PHOTOGRAPHS.glob("*.png"))), None))
+    parser.add_argument("--image", type=Path, default=next(iter(sorted(PHOTOGRAPHS.glob("*.*"))), None))
     arguments = parser.parse_args()
     picture = Image.open(arguments.image).convert("RGB").resize((640, 480))
     colour, gray = np.asarray(picture), np.asarray(picture.convert("L"))

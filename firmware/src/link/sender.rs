@@ -39,34 +39,36 @@ impl<E: core::fmt::Debug + core::fmt::Display> core::error::Error for SendError<
 #[derive(Debug)]
 pub struct Sender<'m, W> {
     writer: W,
-    framer: Framer<'m>,
+    packer: Packer<'m>,
     checksum: Checksum,
-    packets: u32,
-    bytes: u32,
 }
 
 impl<'m, W> Sender<'m, W> {
     /// Sends into `writer`; `memory` is of [`wire_bytes`](super::wire_bytes) of the largest body that is to leave.
     pub fn new(writer: W, memory: &'m mut [u8], checksum: Checksum) -> Self {
-        Self { writer, framer: Framer::new(memory, checksum), checksum, packets: 0, bytes: 0 }
+        Self {
+            writer,
+            packer: Packer { framer: Framer::new(memory, checksum), packets: 0, bytes: 0 },
+            checksum,
+        }
     }
 
     /// Packets sent; wraps.
     #[must_use]
     pub fn packets(&self) -> u32 {
-        self.packets
+        self.packer.packets
     }
 
     /// Bytes put on the wire; wraps.
     #[must_use]
     pub fn bytes(&self) -> u32 {
-        self.bytes
+        self.packer.bytes
     }
 
     /// Bytes of the largest body that it can send.
     #[must_use]
     pub fn body_max(&self) -> usize {
-        self.framer.body_max()
+        self.packer.framer.body_max()
     }
 
     /// The writer.
@@ -80,17 +82,41 @@ impl<'m, W> Sender<'m, W> {
         piece: Piece,
         pixels: &'p [u8],
     ) -> impl Iterator<Item = (Piece, &'p [u8])> + use<'p, W> {
-        let size = piece.bytes_max(&self.framer).max(1);
+        let size = piece.bytes_max(&self.packer.framer).max(1);
         pixels.chunks(size).enumerate().map(move |(at, chunk)| (piece.after(at * size), chunk))
     }
 }
 
-/// What went over the wire, counted.
-macro_rules! count {
-    ($self:ident, $wire:ident) => {
-        $self.packets = $self.packets.wrapping_add(1);
-        $self.bytes = $self.bytes.wrapping_add($wire.len() as u32);
-    };
+/// What both ways of writing share: packets made in the memory, and counted.
+#[derive(Debug)]
+struct Packer<'m> {
+    framer: Framer<'m>,
+    packets: u32,
+    bytes: u32,
+}
+
+impl Packer<'_> {
+    fn packet(&mut self, packet: &Packet<'_>) -> Result<&[u8], TooLong> {
+        let wire = packet.frame(&mut self.framer)?;
+        Ok(counted(wire, &mut self.packets, &mut self.bytes))
+    }
+
+    fn piece(&mut self, piece: Piece, pixels: &[u8]) -> Result<&[u8], TooLong> {
+        let wire = piece.frame(&mut self.framer, pixels)?;
+        Ok(counted(wire, &mut self.packets, &mut self.bytes))
+    }
+
+    fn bits(&mut self, piece: Piece, packed: &[u8], pixels: usize) -> Result<&[u8], TooLong> {
+        let wire = piece.frame_bits(&mut self.framer, packed, pixels)?;
+        Ok(counted(wire, &mut self.packets, &mut self.bytes))
+    }
+}
+
+/// Counts what is about to go over the wire.
+fn counted<'w>(wire: &'w [u8], packets: &mut u32, bytes: &mut u32) -> &'w [u8] {
+    *packets = packets.wrapping_add(1);
+    *bytes = bytes.wrapping_add(wire.len() as u32);
+    wire
 }
 
 impl<W: embedded_io::Write> Sender<'_, W> {
@@ -99,8 +125,7 @@ impl<W: embedded_io::Write> Sender<'_, W> {
     /// # Errors
     /// [`SendError`]; nothing was sent if it is [`SendError::TooLong`].
     pub fn send(&mut self, packet: &Packet<'_>) -> Result<(), SendError<W::Error>> {
-        let wire = packet.frame(&mut self.framer)?;
-        count!(self, wire);
+        let wire = self.packer.packet(packet)?;
         self.writer.write_all(wire).map_err(SendError::Write)
     }
 
@@ -142,8 +167,7 @@ impl<W: embedded_io::Write> Sender<'_, W> {
 
     fn put_line(&mut self, piece: Piece, pixels: &[u8]) -> Result<(), SendError<W::Error>> {
         for (piece, pixels) in self.pieces(piece, pixels) {
-            let wire = piece.frame(&mut self.framer, pixels)?;
-            count!(self, wire);
+            let wire = self.packer.piece(piece, pixels)?;
             self.writer.write_all(wire).map_err(SendError::Write)?;
         }
         Ok(())
@@ -161,8 +185,7 @@ impl<W: embedded_io::Write> Sender<'_, W> {
         pixels: usize,
     ) -> Result<(), SendError<W::Error>> {
         frame.count_bits(packed, pixels);
-        let wire = frame.piece(number, false).frame_bits(&mut self.framer, packed, pixels)?;
-        count!(self, wire);
+        let wire = self.packer.bits(frame.piece(number, false), packed, pixels)?;
         self.writer.write_all(wire).map_err(SendError::Write)
     }
 
@@ -181,8 +204,7 @@ impl<W: embedded_io_async::Write> Sender<'_, W> {
     /// # Errors
     /// [`SendError`]; nothing was sent if it is [`SendError::TooLong`].
     pub async fn send_async(&mut self, packet: &Packet<'_>) -> Result<(), SendError<W::Error>> {
-        let wire = packet.frame(&mut self.framer)?;
-        count!(self, wire);
+        let wire = self.packer.packet(packet)?;
         self.writer.write_all(wire).await.map_err(SendError::Write)
     }
 
@@ -228,8 +250,7 @@ impl<W: embedded_io_async::Write> Sender<'_, W> {
 
     async fn put_line_async(&mut self, piece: Piece, pixels: &[u8]) -> Result<(), SendError<W::Error>> {
         for (piece, pixels) in self.pieces(piece, pixels) {
-            let wire = piece.frame(&mut self.framer, pixels)?;
-            count!(self, wire);
+            let wire = self.packer.piece(piece, pixels)?;
             self.writer.write_all(wire).await.map_err(SendError::Write)?;
         }
         Ok(())
@@ -247,8 +268,7 @@ impl<W: embedded_io_async::Write> Sender<'_, W> {
         pixels: usize,
     ) -> Result<(), SendError<W::Error>> {
         frame.count_bits(packed, pixels);
-        let wire = frame.piece(number, false).frame_bits(&mut self.framer, packed, pixels)?;
-        count!(self, wire);
+        let wire = self.packer.bits(frame.piece(number, false), packed, pixels)?;
         self.writer.write_all(wire).await.map_err(SendError::Write)
     }
 
