@@ -51,6 +51,8 @@ impl Received {
 pub struct FarEnd {
     received: Received,
     to_send: VecDeque<u8>,
+    /// When the next byte of those may be sent, and how long each takes, in virtual nanoseconds.
+    pace: (u64, u64),
     host: Option<Host>,
 }
 
@@ -193,6 +195,14 @@ impl FarEnd {
         self
     }
 
+    /// Sends nothing before `from`, and then a byte each `gap` virtual nanoseconds: a core that is slow, or has its
+    /// interrupts masked, loses bytes that come back to back.
+    #[must_use]
+    pub fn paced(mut self, from: u64, gap: u64) -> Self {
+        self.pace = (from, gap);
+        self
+    }
+
     /// A handle to what the board sends.
     #[must_use]
     pub fn received(&self) -> Received {
@@ -234,7 +244,12 @@ impl Peer for FarEnd {
 
     fn transmit(&mut self, now: VirtualNanos) -> Option<u16> {
         self.look(now);
-        self.to_send.pop_front().map(u16::from)
+        if now.0 < self.pace.0 {
+            return None;
+        }
+        let byte = self.to_send.pop_front()?;
+        self.pace.0 = now.0.saturating_add(self.pace.1);
+        Some(byte.into())
     }
 }
 

@@ -3,6 +3,7 @@
 //! The types are those of `embassy-stm32` for the chip that the board's package has chosen, so that a pin that cannot carry
 //! its signal on that chip does not compile.
 
+use cortex_m::peripheral::NVIC;
 use embassy_stm32::gpio::{AfType, AnyPin, Flex, Level, Output, Pull, Speed};
 use embassy_stm32::i2c::{self, I2c, Master};
 use embassy_stm32::mode::Blocking;
@@ -32,13 +33,45 @@ bind_interrupts!(struct Interrupts {
     USART3 => usart::BufferedInterruptHandler<USART3>;
 });
 
+/// USART3, which goes on sending whatever comes between.
+///
+/// `BufferedUart` asks for the interrupt that sends only if its buffer was empty when it looked, before it put bytes in. If the
+/// handler sent the last byte in between, it has gone to rest, nobody asks for it, and a full buffer is waited for without an
+/// end. Seen on the emulated F429; so the interrupt is asked for after every write.
+pub struct Serial(BufferedUart<'static>);
+
+impl embedded_io::ErrorType for Serial {
+    type Error = usart::Error;
+}
+
+impl embedded_io::Read for Serial {
+    fn read(&mut self, bytes: &mut [u8]) -> Result<usize, usart::Error> {
+        embedded_io::Read::read(&mut self.0, bytes)
+    }
+}
+
+impl embedded_io::ReadReady for Serial {
+    fn read_ready(&mut self) -> Result<bool, usart::Error> {
+        embedded_io::ReadReady::read_ready(&mut self.0)
+    }
+}
+
+impl embedded_io::Write for Serial {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize, usart::Error> {
+        // What fits an empty buffer: a write never waits for room with the handler at rest.
+        let bytes = bytes.get(..OUT / 4).unwrap_or(bytes);
+        let written = embedded_io::Write::write(&mut self.0, bytes);
+        NVIC::pend(pac::Interrupt::USART3);
+        written
+    }
+
+    fn flush(&mut self) -> Result<(), usart::Error> {
+        embedded_io::Write::flush(&mut self.0)
+    }
+}
+
 /// A sensor's pins and bus, and the serial line.
-pub type Parts = application::Parts<
-    I2c<'static, Blocking, Master>,
-    Output<'static>,
-    Output<'static>,
-    BufferedUart<'static>,
->;
+pub type Parts = application::Parts<I2c<'static, Blocking, Master>, Output<'static>, Output<'static>, Serial>;
 
 /// What differs from board to board.
 pub struct Differs {
@@ -114,7 +147,7 @@ pub unsafe fn connect(p: Peripherals, differs: Differs) -> (Parts, DcmiPort<'sta
         sensor_hz,
         hclk_hz,
         policy,
-        serial,
+        serial: Serial(serial),
         baud: BAUD,
         registers: Window::new(looked_at, &chip),
     };
