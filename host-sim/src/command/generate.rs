@@ -32,7 +32,7 @@ pub struct Generate {
     /// Seed of the scenes that have noise, and of what is not said of a fault
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// The trace to be written; its name ends in .camt, .vcd, .sr, .csv, or .saleae for a folder of binary files
+    /// The trace to be written; its name ends in .camt, .vcd, .sr, .fst, .csv, or .saleae for a folder of binary files
     #[arg(short, long, value_name = "TRACE")]
     output: PathBuf,
     /// Prints one JSON object on stdout

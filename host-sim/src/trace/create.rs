@@ -13,6 +13,7 @@ use tempfile::{NamedTempFile, TempDir};
 
 use super::camt::{StdIo, fast_crc32};
 use super::error::TraceError;
+use super::fst::FstWriter;
 use super::saleae::{BinaryWriter, CsvWriter};
 use super::sr::{SrWriter, SrWriterOptions};
 use super::vcd::{VcdWriter, VcdWriterOptions};
@@ -56,11 +57,12 @@ enum Inner {
     Camt(Box<Writer<StdIo<Output>, Box<ChunkBuffer>>>),
     Vcd(Box<VcdWriter<Output>>),
     Sr(Box<SrWriter<Output>>),
+    Fst(Box<FstWriter<Output>>),
     Csv(Box<CsvWriter<Output>>),
     Binary(Box<BinaryWriter>, TempDir),
 }
 
-/// Begins a trace file. Its name ends in `.camt`, `.vcd`, `.sr` (8 samples a clock), `.csv` (as Saleae's `digital.csv`) or
+/// Begins a trace file. Its name ends in `.camt`, `.vcd`, `.sr` (8 samples a clock), `.fst`, `.csv` (as Saleae's `digital.csv`) or
 /// `.saleae` (a folder of Saleae's binary files, which must not exist or be empty).
 ///
 /// # Errors
@@ -97,6 +99,10 @@ pub fn create(path: impl AsRef<Path>, options: &TraceWriterOptions) -> Result<Tr
             };
             let writer = SrWriter::new(output()?, session);
             Inner::Sr(Box::new(writer.map_err(|error| TraceError::WriteSr { path: path.clone(), error })?))
+        }
+        "fst" => {
+            let writer = FstWriter::new(output()?, vcd);
+            Inner::Fst(Box::new(writer.map_err(|error| TraceError::WriteFst { path: path.clone(), error })?))
         }
         "csv" => Inner::Csv(Box::new(CsvWriter::new(output()?, vcd).map_err(saleae)?)),
         "saleae" => {
@@ -148,6 +154,10 @@ impl TraceWriter {
                 Ok((output, clocks)) => (output, clocks),
                 Err(error) => return Err(TraceError::WriteSr { path, error }),
             },
+            Inner::Fst(writer) => match writer.finish() {
+                Ok((output, clocks)) => (output, clocks),
+                Err(error) => return Err(TraceError::WriteFst { path, error }),
+            },
             Inner::Csv(writer) => match writer.finish() {
                 Ok((output, clocks)) => (output, clocks),
                 Err(error) => return Err(TraceError::WriteSaleae { path, error }),
@@ -189,6 +199,9 @@ impl StretchSink for TraceWriter {
             Inner::Sr(writer) => writer
                 .stretch(sync, samples)
                 .map_err(|error| TraceError::WriteSr { path: self.path.clone(), error }),
+            Inner::Fst(writer) => writer
+                .stretch(sync, samples)
+                .map_err(|error| TraceError::WriteFst { path: self.path.clone(), error }),
             Inner::Csv(writer) => writer
                 .stretch(sync, samples)
                 .map_err(|error| TraceError::WriteSaleae { path: self.path.clone(), error }),

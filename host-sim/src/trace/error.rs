@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::clock::ClockError;
-use super::fst::FstError;
+use super::fst::{FstError, FstWriteError};
 use super::saleae::{SaleaeError, SaleaeWriteError};
 use super::sr::{SrError, SrWriteError};
 use super::vcd::{VcdError, VcdWriteError};
@@ -105,7 +105,7 @@ pub enum TraceError {
         mark: u64,
     },
     /// The name says no format.
-    #[error("{}: a trace to be written must end in .camt, .vcd, .sr, .csv, or .saleae for a folder of binary files", .path.display())]
+    #[error("{}: a trace to be written must end in .camt, .vcd, .sr, .fst, .csv, or .saleae for a folder of binary files", .path.display())]
     Extension {
         /// The file.
         path: PathBuf,
@@ -141,6 +141,14 @@ pub enum TraceError {
         path: PathBuf,
         /// What.
         error: SrWriteError,
+    },
+    /// An FST cannot be written.
+    #[error("{}: {error}", .path.display())]
+    WriteFst {
+        /// The file.
+        path: PathBuf,
+        /// What.
+        error: FstWriteError,
     },
     /// A Saleae export cannot be written.
     #[error("{}: {error}", .path.display())]

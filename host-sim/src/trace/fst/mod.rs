@@ -13,6 +13,7 @@
 //! | `header` | blocks, geometry and hierarchy |
 //! | `section` | a section of changes: times, frame, chains |
 //! | `reader` | all of it: [`FstFile`] |
+//! | `writer` | stretches to an FST: [`FstWriter`] |
 //! | `error` | what can be wrong, and where |
 //!
 //! The crate `fst-reader` reads the same; this reader is our own because that one takes sizes out of the file on trust and panics on damaged
@@ -25,10 +26,12 @@ mod packed;
 mod header;
 mod section;
 mod reader;
+mod writer;
 mod error;
 
 pub use error::{FstError, FstProblem};
 pub use reader::FstFile;
+pub use writer::{FstWriteError, FstWriter};
 
 /// The beginning of a file is that of an FST: a header block of its one length, or a wrapper.
 pub(super) fn is_fst(head: &[u8]) -> bool {

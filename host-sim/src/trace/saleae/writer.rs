@@ -1,26 +1,17 @@
 //! Stretches to an export of Saleae Logic 2.
 //!
-//! ```text
-//!             t(2k)      t(2k+1)     t(2k+2)         t(n) = n half periods, to the picosecond
-//! PCLK    ────┐          ┌───────────┐
-//!             └──────────┘           └────
-//! data        ╳ changes here         ╳
-//! ```
-//!
-//! Channels: PCLK, HSYNC, VSYNC, then the lines of the bus from D0 on.
+//! The levels are those of `halves`: PCLK, HSYNC, VSYNC, then the lines of the bus from D0 on.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use firmware::camif::pins::{Edge, Samples, Sync};
+use firmware::camif::pins::{Samples, Sync};
 use firmware::trace::StretchSink;
 
-use super::super::vcd::{Ticks, VcdWriterOptions};
+use super::super::halves::{Halves, HalvesError, each};
+use super::super::vcd::VcdWriterOptions;
 use super::TICKS;
-
-/// Channels before the lines of the bus.
-const NAMES: [&str; 3] = ["PCLK", "HSYNC", "VSYNC"];
 
 /// Why an export could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -29,85 +20,9 @@ pub enum SaleaeWriteError {
     /// The output failed.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// A bus of no width that there is.
-    #[error("a bus of {0} bits; it must be 8, 10, 12 or 14")]
-    BusBits(u8),
-    /// A clock of 0 Hz has no times.
-    #[error("the pixel clock is unknown, and an export needs times; give pclk_hz in the profile")]
-    NoClock,
-    /// A sample does not fit the bus.
-    #[error("sample 0x{value:X} at clock {clock} does not fit a bus of {bus_bits} bits")]
-    Sample {
-        /// Number of its clock.
-        clock: u64,
-        /// The sample.
-        value: u16,
-        /// Width of the bus.
-        bus_bits: u8,
-    },
-}
-
-/// Pixel clocks as levels of all channels, twice a clock.
-#[derive(Debug)]
-struct Halves {
-    bus_bits: u8,
-    idle: u32,
-    ticks: Ticks,
-    clocks: u64,
-    last: u32,
-}
-
-impl Halves {
-    fn new(options: &VcdWriterOptions) -> Result<Self, SaleaeWriteError> {
-        if !matches!(options.bus_bits, 8 | 10 | 12 | 14) {
-            return Err(SaleaeWriteError::BusBits(options.bus_bits));
-        }
-        if options.pclk_hz == 0 {
-            return Err(SaleaeWriteError::NoClock);
-        }
-        let idle = u32::from(options.edge == Edge::Falling);
-        let ticks = Ticks::in_picoseconds(options.pclk_hz);
-        Ok(Self { bus_bits: options.bus_bits, idle, ticks, clocks: 0, last: idle })
-    }
-
-    fn channels(&self) -> usize {
-        NAMES.len() + usize::from(self.bus_bits)
-    }
-
-    fn names(&self) -> impl Iterator<Item = String> {
-        NAMES.map(str::to_owned).into_iter().chain((0..self.bus_bits).map(|line| format!("D{line}")))
-    }
-
-    /// Both halves of a clock: when, and the levels of all channels, the first one in bit 0.
-    fn clock(&mut self, sync: Sync, value: u16) -> Result<[(u64, u32); 2], SaleaeWriteError> {
-        let bus_bits = self.bus_bits;
-        if value >> bus_bits != 0 {
-            return Err(SaleaeWriteError::Sample { clock: self.clocks, value, bus_bits });
-        }
-        self.clocks += 1;
-        let levels =
-            u32::from(value) << NAMES.len() | u32::from(sync.vsync) << 2 | u32::from(sync.hsync) << 1;
-        self.last = levels | self.idle;
-        let first = (self.ticks.now, self.last);
-        self.ticks.advance();
-        let second = (self.ticks.now, self.last ^ 1);
-        self.ticks.advance();
-        Ok([first, second])
-    }
-
-    /// The clock at rest again, behind the last one.
-    fn rest(&self) -> (u64, u32) {
-        (self.ticks.now, self.last)
-    }
-}
-
-/// Plays samples into `each`.
-fn each<E>(samples: Samples<'_>, mut each: impl FnMut(u16) -> Result<(), E>) -> Result<(), E> {
-    match samples {
-        Samples::Bytes(bytes) => bytes.iter().try_for_each(|&byte| each(u16::from(byte))),
-        Samples::Words(words) => words.iter().try_for_each(|&word| each(word)),
-        Samples::Repeat { value, clocks } => (0..clocks).try_for_each(|_| each(value)),
-    }
+    /// What is to be written has no levels.
+    #[error(transparent)]
+    Halves(#[from] HalvesError),
 }
 
 /// Writes a `digital.csv`. After an error the output is not a whole one.

@@ -23,9 +23,13 @@ fn play(trace: &Trace) -> Vec<Clock> {
 fn files_of_either_format_are_written_whole_and_told_apart_by_content() {
     let folder = tempfile::tempdir().unwrap();
     let sent = marker(200, 30, 3);
-    for (name, format) in
-        [("a.camt", Format::Camt), ("b.VCD", Format::Vcd), ("c.sr", Format::Sr), ("d.csv", Format::SaleaeCsv)]
-    {
+    for (name, format) in [
+        ("a.camt", Format::Camt),
+        ("b.VCD", Format::Vcd),
+        ("c.sr", Format::Sr),
+        ("d.csv", Format::SaleaeCsv),
+        ("e.fst", Format::Fst),
+    ] {
         let path = folder.path().join(name);
         let mut writer = create(&path, &options(8)).unwrap();
         send(&sent, &mut writer).unwrap();
@@ -89,7 +93,7 @@ fn files_that_cannot_be_opened_or_made_are_named() {
     assert!(no_format.to_string().contains("end in .camt, .vcd"));
     let no_folder = create(folder.path().join("no/where.vcd"), &options(8)).unwrap_err();
     assert!(no_folder.to_string().contains("where.vcd: cannot be written"));
-    for name in ["a.camt", "a.vcd", "a.sr", "a.csv", "a.saleae"] {
+    for name in ["a.camt", "a.vcd", "a.sr", "a.fst", "a.csv", "a.saleae"] {
         assert!(create(folder.path().join(name), &options(9)).unwrap_err().to_string().contains("9 bits"));
         let mut writer = create(folder.path().join(name), &options(8)).unwrap();
         let wide = writer.stretch(Sync::default(), Samples::Words(&[256])).unwrap_err();
@@ -126,7 +130,7 @@ fn a_folder_of_binary_files_is_written_whole_and_read_by_channel_numbers() {
 fn a_capture_shows_the_levels_of_any_channels_in_every_format() {
     let folder = tempfile::tempdir().unwrap();
     let sent = marker(20, 3, 2);
-    for name in ["a.camt", "a.vcd", "a.sr", "a.csv", "a.saleae"] {
+    for name in ["a.camt", "a.vcd", "a.sr", "a.fst", "a.csv", "a.saleae"] {
         let path = folder.path().join(name);
         let mut writer = create(&path, &options(8)).unwrap();
         send(&sent, &mut writer).unwrap();
