@@ -130,7 +130,7 @@ impl<R: Layout> Dcmi<R> {
 
     fn register(register: R) -> Option<Register> {
         let offset = R::REGISTERS.get(register.index())?.offset;
-        Register::at(u32::try_from(offset).ok()?)
+        Register::at(offset)
     }
 
     /// Pixel clocks that make a word.

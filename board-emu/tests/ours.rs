@@ -195,8 +195,11 @@ fn made(stages: &str, frame: &Frame) -> Vec<u8> {
     made
 }
 
-/// Number, status and results of every reply, and the state in the last heartbeat.
-fn answers(wire: &[u8]) -> (Vec<(u16, Status, Vec<u8>)>, Option<State>) {
+/// Number, status and results of a reply.
+type Answer = (u16, Status, Vec<u8>);
+
+/// Every reply, and the state in the last heartbeat.
+fn answers(wire: &[u8]) -> (Vec<Answer>, Option<State>) {
     let (mut replies, mut state) = (Vec::new(), None);
     let mut room = vec![0; BODY_MAX];
     Inbox::new(&mut room, small_table).feed(wire, |received| match received {
