@@ -240,6 +240,10 @@ impl Camif<'_> {
     /// The pending request is granted: a burst moves.
     fn grant(&mut self) {
         self.grant_at = NEVER;
+        // The request made last is the one that is granted.
+        if self.bus.error.is_some() && self.bus.error == self.requests.checked_sub(1) {
+            return self.dma.fail();
+        }
         let burst = self.dma.burst_words();
         // A whole burst before the next event goes in one piece.
         if !self.fifo.holds_last()

@@ -15,6 +15,8 @@ pub struct Bus {
     pub stall: Option<Stall>,
     /// The n-th request (from 0) waits this many clocks more: a fault put in on purpose.
     pub hold: Option<Hold>,
+    /// The n-th request (from 0) is answered by a bus error, on which the DMA stops: a fault put in on purpose.
+    pub error: Option<u64>,
     /// Seed of delays and stalls.
     pub seed: u64,
 }
@@ -39,7 +41,8 @@ pub struct Hold {
 
 impl Bus {
     /// Grants at the next clock, always.
-    pub const IDEAL: Self = Self { latency_min: 0, latency_max: 0, stall: None, hold: None, seed: 0 };
+    pub const IDEAL: Self =
+        Self { latency_min: 0, latency_max: 0, stall: None, hold: None, error: None, seed: 0 };
 
     /// Pixel clocks that request `number` waits beyond the one that a grant takes.
     #[must_use]
@@ -94,7 +97,7 @@ mod tests {
     #[test]
     fn delays_keep_to_their_bounds_and_use_them() {
         let stall = Some(Stall { one_in: 10, clocks: 100 });
-        let bus = Bus { latency_min: 2, latency_max: 5, stall, hold: None, seed: 7 };
+        let bus = Bus { latency_min: 2, latency_max: 5, stall, seed: 7, ..Bus::IDEAL };
         let delays: Vec<u32> = (0..10_000).map(|n| bus.delay(n)).collect();
         let stalled = delays.iter().filter(|&&delay| delay >= 100).count();
         assert!((800..1200).contains(&stalled), "{stalled} of 10,000 stalled");

@@ -142,7 +142,8 @@ impl BurstDma<'_> {
         }
     }
 
-    fn fail(&mut self) {
+    /// The bus, or what was programmed, leads nowhere: says so, and stops.
+    pub(super) fn fail(&mut self) {
         self.status.set_error(true);
         self.disable();
     }

@@ -98,7 +98,11 @@ impl Camif<'_> {
         let words = (stored + burst - waiting) / burst * burst;
         let stored = words + waiting - burst;
         let bursts = u64::from(words / burst);
-        if words < 2 * burst || self.bus.delay_bound(self.requests, self.requests + bursts) >= per_word {
+        let requests = self.requests..self.requests + bursts;
+        // The request that is pending is the one before.
+        let fails =
+            self.bus.error.is_some_and(|at| (requests.start.saturating_sub(1)..requests.end).contains(&at));
+        if words < 2 * burst || fails || self.bus.delay_bound(requests.start, requests.end) >= per_word {
             return 0;
         }
         let mask = self.data_mask;

@@ -45,7 +45,7 @@ mod tests {
     fn a_bus_is_read() {
         let bus = parse_bus("0..3,stall=40/1000,seed=7").unwrap();
         let stall = Some(Stall { one_in: 1000, clocks: 40 });
-        assert_eq!(bus, Bus { latency_min: 0, latency_max: 3, stall, hold: None, seed: 7 });
+        assert_eq!(bus, Bus { latency_max: 3, stall, seed: 7, ..Bus::IDEAL });
         assert_eq!(parse_bus("5").unwrap(), Bus { latency_min: 5, latency_max: 5, ..Bus::IDEAL });
     }
 

@@ -180,10 +180,22 @@ fn stalls_are_repeated_by_their_seed() {
         let mut memory = [0; 64];
         let mut bench = Bench::new(gated(), single(64), &mut memory);
         let stall = Some(Stall { one_in: 4, clocks: 9 });
-        *bench.camif.bus_mut() = Bus { latency_min: 0, latency_max: 4, stall, hold: None, seed };
+        *bench.camif.bus_mut() = Bus { latency_max: 4, stall, seed, ..Bus::IDEAL };
         bench.play("==abcdefghijklmnopqrstuvwxyz0123456789abcdefghijklmnopqrstuvwxyz0123456789-==");
         (bench.events(), bench.memory())
     };
     assert_eq!(run(1), run(1));
     assert!((2..20).any(|seed| run(seed) != run(1)));
+}
+
+#[test]
+fn a_bus_error_stops_the_dma_and_the_words_before_it_stay() {
+    let mut memory = [0; 4];
+    let mut bench = Bench::new(gated(), Transfer { mode: DmaMode::Double, ..single(2) }, &mut memory);
+    bench.camif.bus_mut().error = Some(1);
+    bench.play("==abcdefgh");
+    assert_eq!(flags(&mut bench), "half error");
+    assert!(!DmaControl::new_with_raw_value(bench.camif.peek(Register::DmaControl)).enable());
+    bench.play("ijkl");
+    assert_eq!(bench.memory(), "abcd");
 }

@@ -54,14 +54,16 @@ fn setup() -> impl Strategy<Value = Setup> {
         0u32..4,
         prop::option::of((1u32..20, 0u32..40)),
         prop::option::of((0u64..40, 0u32..80)),
+        prop::option::weighted(0.2, 0u64..40),
         any::<u64>(),
     )
-        .prop_map(|(latency_min, more, stall, hold, seed)| Bus {
+        .prop_map(|(latency_min, more, stall, hold, error, seed)| Bus {
             // Half of the buses grant at once, because that is where `run` takes its short cut.
             latency_min: latency_min.saturating_sub(3),
             latency_max: latency_min.saturating_sub(3) + more.saturating_sub(2),
             stall: stall.filter(|_| more == 3).map(|(one_in, clocks)| Stall { one_in, clocks }),
             hold: hold.map(|(request, clocks)| Hold { request, clocks }),
+            error,
             seed,
         });
     // CAPTURE and ENABLE are set more often than not; the rarer modes come one at a time.

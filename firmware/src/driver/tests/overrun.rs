@@ -1,4 +1,4 @@
-//! Overruns, put in on purpose at each request that the DMA makes of the bus.
+//! Overruns and bus errors, put in on purpose at each request that the DMA makes of the bus.
 
 use std::cell::{Cell, RefCell};
 
@@ -20,6 +20,7 @@ struct Outcomes {
     /// The frames on the wires at the first and the last overrun.
     overrun: Option<(usize, usize)>,
     requests: u64,
+    dma_errors: u32,
 }
 
 fn run(config: &Config, wires: Wires, part: Part, bus: Bus, latency: usize) -> Outcomes {
@@ -55,6 +56,7 @@ fn run(config: &Config, wires: Wires, part: Part, bus: Bus, latency: usize) -> O
         }
         sender.close();
         outcomes.borrow_mut().requests = model.borrow().requests();
+        outcomes.borrow_mut().dma_errors = camera.statistics().dma_errors;
     });
     outcomes.into_inner()
 }
@@ -98,6 +100,27 @@ fn an_overrun_at_any_word_costs_no_more_than_two_frames() {
         }
     }
     assert!(overruns > 1000, "only {overruns} overruns were provoked");
+}
+
+#[test]
+fn a_bus_error_at_any_burst_costs_no_more_than_two_frames() {
+    for part in [Part::CAMIF, Part::STM32F4] {
+        for wires in ALL_WIRES.into_iter().filter(|&wires| part.marker || wires != Wires::Marker) {
+            for policy in [Policy::NewestWins, Policy::InOrder] {
+                let config = Config { policy, ..Config::new(wires.mode(), LINE as u32, LINES as u32) };
+                let requests = run(&config, wires, part, Bus::IDEAL, 0).requests;
+                for request in 0..requests {
+                    let bus = Bus { error: Some(request), ..Bus::IDEAL };
+                    let Outcomes { received, dma_errors, overrun, .. } = run(&config, wires, part, bus, 0);
+                    let context = format!("{} {wires:?} {policy:?} request {request}", part.name);
+                    assert_eq!((dma_errors, overrun), (1, None), "{context}");
+                    assert!(received.len() + 2 >= FRAMES, "{context}: {received:?}");
+                    let last = request < requests * (FRAMES as u64 - 2) / FRAMES as u64;
+                    assert!(!last || received.ends_with(&[FRAMES as u32 - 1]), "{context}: {received:?}");
+                }
+            }
+        }
+    }
 }
 
 #[test]

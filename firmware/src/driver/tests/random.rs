@@ -79,8 +79,8 @@ fn bus() -> impl Strategy<Value = Bus> {
         latency_min: least,
         latency_max: least + spread,
         stall: stall.map(|(one_in, clocks)| Stall { one_in, clocks }),
-        hold: None,
         seed,
+        ..Bus::IDEAL
     })
 }
 
