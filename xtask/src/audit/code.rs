@@ -45,7 +45,13 @@ impl Reader {
 
     /// Reads a function of `program`.
     pub(super) fn summary(&self, program: &Program, function: &Function) -> Result<Summary> {
-        let mut reading = Reading { program, function, summary: Summary::default(), values: BTreeMap::new() };
+        let mut reading = Reading {
+            program,
+            function,
+            summary: Summary::default(),
+            values: BTreeMap::new(),
+            tables: BTreeMap::new(),
+        };
         let mut aligned = 0;
         for (start, bytes) in program.code(function) {
             let instructions =
@@ -111,6 +117,8 @@ struct Reading<'p> {
     summary: Summary,
     /// What registers were set to last, in the order of addresses.
     values: BTreeMap<String, u32>,
+    /// Registers that point into a table of jumps, and where it starts.
+    tables: BTreeMap<String, u32>,
 }
 
 impl Reading<'_> {
@@ -125,6 +133,7 @@ impl Reading<'_> {
             "bl" | "blx" | "b" if operands.starts_with('#') => self.jump(text, name == "bl"),
             "blx" => self.summary.indirect.push(at),
             "bx" if operands != "lr" => self.summary.indirect.push(at),
+            "mov" if to_pc && self.goes_on_in_table(text) => {}
             "ldr" | "mov" | "add" if to_pc => self.summary.indirect.push(at),
             _ => {}
         }
@@ -144,12 +153,28 @@ impl Reading<'_> {
         }
     }
 
-    /// Follows what registers are set to by `mov`, `movw` and `movt`.
+    /// A `match` as `addw rN, pc, #TABLE; add rN, rN, rM, lsl #2; mov pc, rN; TABLE: b.w …; b.w …`, with a `nop` where the table
+    /// needs one to be aligned: its jumps are read as any others.
+    fn goes_on_in_table(&self, text: &Text<'_>) -> bool {
+        let register = text.operands.rsplit(',').next().unwrap_or_default().trim();
+        self.tables.get(register).is_some_and(|&table| table == (text.at + 5) & !3)
+    }
+
+    /// Follows what registers are set to by `mov`, `movw` and `movt`, and to which tables they point.
     fn values(&mut self, text: &Text<'_>, arm: &ArmInsnDetail<'_>) {
         let register = text.first().to_owned();
         let immediate = text.operands.contains('#').then(|| text.immediate()).flatten();
+        let operands: Vec<&str> = text.operands.split(',').map(str::trim).collect();
         match (text.name, immediate) {
+            ("add" | "addw", Some(offset)) if operands.get(1) == Some(&"pc") => {
+                self.values.remove(&register);
+                self.tables.insert(register, ((text.at + 4) & !3) + offset);
+            }
+            ("add", _) if operands.get(1) == Some(&&*register) && operands.get(3) == Some(&"lsl #2") => {
+                self.values.remove(&register);
+            }
             ("movw" | "mov" | "movs", Some(value)) => {
+                self.tables.remove(&register);
                 self.values.insert(register, value);
             }
             ("movt", Some(high)) => {
@@ -164,6 +189,7 @@ impl Reading<'_> {
                 });
                 if written {
                     self.values.remove(&register);
+                    self.tables.remove(&register);
                 }
             }
         }
@@ -278,5 +304,19 @@ mod tests {
         let summary = read(&code);
         assert_eq!(summary.calls, [(0x100, 0x110), (0x104, 0x110)]);
         assert_eq!(summary.indirect, [0x10A, 0x10C]);
+    }
+
+    #[test]
+    fn a_table_of_jumps_is_no_call_by_address() {
+        // addw r6, pc, #8; add.w r6, r6, r2, lsl #2; nop; mov pc, r6; b.w g
+        let aligned = [0xF20F, 0x0608, 0xEB06, 0x0682, 0xBF00, 0x46B7, 0xF000, 0xB800];
+        let summary = read(&aligned);
+        assert_eq!(summary.indirect, [0_u32; 0]);
+        assert_eq!(summary.calls, [(0x10C, 0x110)], "the table's jumps are read");
+        // The table starts elsewhere; the register was set anew.
+        let elsewhere = [0xF20F, 0x060C, 0xEB06, 0x0682, 0xBF00, 0x46B7, 0xF000, 0xB800];
+        assert_eq!(read(&elsewhere).indirect, [0x10A]);
+        let anew = [0xF20F, 0x0608, 0xEB06, 0x0682, 0x461E, 0x46B7, 0xF000, 0xB800];
+        assert_eq!(read(&anew).indirect, [0x10A]);
     }
 }
