@@ -6,9 +6,15 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use camif_tests::on_core::replay::Vision;
 use camif_tests::on_core::{pictures, replay, traces};
 use exercise::Workspace;
-use exercise::replay::scenario::{CANNY, FAULTS, FRAMES, SOBEL};
+use exercise::replay::check::Check;
+use exercise::replay::consumer;
+use exercise::replay::faults::FAULTS;
+use exercise::replay::scenario::{CANNY, FRAMES, PALETTE, SOBEL, Scenario};
+use firmware::driver::deadline::{Cause, Evidence, Timeout};
+use firmware::driver::verdict::Outcome;
 use host_sim::receiver::capture_config;
 
 static SPACE: Mutex<Workspace> = Mutex::new(Workspace::new());
@@ -55,24 +61,86 @@ fn same(image: &str, made: &[String]) {
 
 #[test]
 fn the_driver_does_the_same_for_whole_frames() {
-    same("qemu_replay", &replay::frames(&FRAMES).unwrap());
+    same("qemu_replay", &replay::fault(&FRAMES).unwrap());
 }
 
 #[test]
 fn the_driver_does_the_same_whatever_goes_wrong() {
-    let made: Vec<_> = FAULTS.iter().flat_map(|scenario| replay::frames(scenario).unwrap()).collect();
+    let made: Vec<_> = FAULTS.iter().flat_map(|scenario| replay::fault(scenario).unwrap()).collect();
     same("qemu_faults", &made);
+}
+
+/// All that can be wrong with a frame, and all that can keep one from coming: each was put in, seen, and recovered from.
+#[test]
+fn every_fault_that_the_driver_knows_is_put_in() {
+    let seen: BTreeSet<&str> = FAULTS.iter().flat_map(|scenario| scenario.seen.iter().copied()).collect();
+    let expected = 1;
+    let outcomes = [
+        Outcome::Short { expected },
+        Outcome::Long { expected },
+        Outcome::LineCount { expected },
+        Outcome::LineLength { expected },
+        Outcome::LinesDropped { lines: 1 },
+        Outcome::Overrun,
+        Outcome::SyncError,
+        Outcome::DmaError,
+        Outcome::DmaStalled,
+        Outcome::LateInterrupt,
+    ];
+    for outcome in outcomes {
+        // Whoever adds an outcome finds that it is missing here.
+        match outcome {
+            Outcome::Good => unreachable!("nothing is wrong with it"),
+            Outcome::Short { .. }
+            | Outcome::Long { .. }
+            | Outcome::LineCount { .. }
+            | Outcome::LineLength { .. }
+            | Outcome::LinesDropped { .. }
+            | Outcome::Overrun
+            | Outcome::SyncError
+            | Outcome::DmaError
+            | Outcome::DmaStalled
+            | Outcome::LateInterrupt => {}
+        }
+        assert!(seen.contains(consumer::outcome(outcome)), "{outcome} is in no scenario");
+    }
+    // Frames without data (`NoData`) end as short ones on this block; that capture is stopped or refused is no fault.
+    let causes = [
+        Cause::NoClock,
+        Cause::NoVsync,
+        Cause::ShortFrame { expected },
+        Cause::DmaStalled,
+        Cause::Overrun { overruns: 1 },
+        Cause::Damaged(Outcome::Long { expected }),
+        Cause::Unfinished { words: 1, expected },
+        Cause::NoBuffer,
+    ];
+    for cause in causes {
+        let timeout = Timeout { cause, evidence: Evidence::default() };
+        assert!(seen.contains(consumer::cause(&timeout)), "{cause} is in no scenario");
+    }
+}
+
+#[test]
+fn every_fault_is_recovered_from() {
+    let failed: Vec<String> =
+        FAULTS.iter().filter_map(|scenario| replay::fault(scenario).err()).map(|e| e.to_string()).collect();
+    assert!(failed.is_empty(), "{}", failed.join("\n\n"));
 }
 
 #[test]
 fn the_driver_and_the_vision_do_the_same_for_lines() {
-    same("qemu_sobel", &replay::lines(&SOBEL).unwrap());
-    same("qemu_canny", &replay::lines(&CANNY).unwrap());
+    let made = |scenario: &Scenario| {
+        replay::lines(scenario, Vision::Pipeline, &mut Check::new(scenario, &[])).unwrap()
+    };
+    same("qemu_sobel", &made(&SOBEL));
+    same("qemu_canny", &made(&CANNY));
+    same("qemu_palette", &made(&PALETTE));
 }
 
 #[test]
 fn the_scenarios_say_what_their_profiles_say() {
-    for scenario in [SOBEL, CANNY, FRAMES].iter().chain(&FAULTS) {
+    for scenario in [SOBEL, CANNY, PALETTE, FRAMES].iter().chain(&FAULTS) {
         let (ours, theirs) = (scenario.config(), capture_config(&traces::profile(scenario).unwrap()));
         assert_eq!((ours.sync, ours.geometry()), (theirs.sync, theirs.geometry()), "{}", scenario.name);
         assert_eq!((ours.edge, ours.bus_width), (theirs.edge, theirs.bus_width), "{}", scenario.name);
@@ -156,7 +224,7 @@ fn no_public_algorithm_is_without_an_exercise() {
 /// on top.
 #[test]
 fn the_statics_of_the_pipelines_fit() {
-    for (image, most) in [("qemu_sobel", 32 << 10), ("qemu_canny", 128 << 10)] {
+    for (image, most) in [("qemu_sobel", 32 << 10), ("qemu_palette", 40 << 10), ("qemu_canny", 128 << 10)] {
         let path = top().join(format!("firmware/boards/mps2/snapshots/{image}.size"));
         let text = std::fs::read_to_string(path).unwrap();
         let sizes: Vec<u32> =

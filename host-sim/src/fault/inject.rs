@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use firmware::camif::pins::{Pins, Samples, Sync};
 use firmware::trace::StretchSink;
 
@@ -25,12 +27,16 @@ const BATCH: usize = 1 << 16;
 struct Stage {
     tracker: Tracker,
     fault: Box<dyn Fault>,
+    /// The last clock was of a frame that has the fault.
+    broken: bool,
 }
 
 /// Puts faults between a source of stretches and a sink, one after the other. Call [`Injector::finish`] at the end.
 pub struct Injector<S> {
     stages: Vec<Stage>,
     settled: Vec<FaultSpec>,
+    /// The frames that have them.
+    frames: Range<u64>,
     byte_bus: bool,
     clocks: Vec<Pins>,
     spare: Vec<Pins>,
@@ -50,12 +56,17 @@ impl<S: StretchSink> Injector<S> {
         for (number, spec) in faults.iter().enumerate() {
             let mut random = Random::new(seed.wrapping_add(number as u64 * 0x5851_F42D_4C95_7F2D));
             let spec = spec.clone().settle(profile, &mut random)?;
-            stages.push(Stage { tracker: Tracker::new(profile), fault: make(&spec, profile, random) });
+            stages.push(Stage {
+                tracker: Tracker::new(profile),
+                fault: make(&spec, profile, random),
+                broken: false,
+            });
             settled.push(spec);
         }
         Ok(Self {
             stages,
             settled,
+            frames: 0..u64::MAX,
             byte_bus: profile.bus.bits == 8,
             clocks: Vec::new(),
             spare: Vec::new(),
@@ -63,6 +74,14 @@ impl<S: StretchSink> Injector<S> {
             words: Vec::new(),
             sink,
         })
+    }
+
+    /// Puts the faults into these frames only, by the ends of frames on the wires before them: where blanking comes
+    /// before the first frame, that is number 1.
+    #[must_use]
+    pub fn during(mut self, frames: Range<u64>) -> Self {
+        self.frames = frames;
+        self
     }
 
     /// The faults with all their values.
@@ -104,7 +123,15 @@ impl<S: StretchSink> Injector<S> {
             self.spare.clear();
             for &pins in &self.clocks {
                 let place = stage.tracker.clock(pins);
-                stage.fault.clock(&place, pins, &mut self.spare);
+                let broken = self.frames.contains(&place.frame);
+                if std::mem::replace(&mut stage.broken, broken) && !broken {
+                    stage.fault.finish(&mut self.spare);
+                }
+                if broken {
+                    stage.fault.clock(&place, pins, &mut self.spare);
+                } else {
+                    self.spare.push(pins);
+                }
             }
             std::mem::swap(&mut self.clocks, &mut self.spare);
         }

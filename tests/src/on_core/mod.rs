@@ -13,7 +13,8 @@ pub mod replay;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use exercise::replay::scenario::{CANNY, FAULTS, FRAMES, SOBEL, STREAM};
+use exercise::replay::faults::FAULTS;
+use exercise::replay::scenario::{CANNY, FRAMES, PALETTE, SOBEL, STREAM};
 
 /// Writes the files that an image opens into `folder`, where it runs.
 ///
@@ -26,7 +27,7 @@ pub fn write_inputs(folder: &Path) -> Result<()> {
         let path = folder.join(name);
         std::fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))?;
     }
-    for scenario in [SOBEL, CANNY, FRAMES, STREAM].iter().chain(&FAULTS) {
+    for scenario in [SOBEL, CANNY, PALETTE, FRAMES, STREAM].iter().chain(&FAULTS) {
         traces::write(scenario, folder)?;
     }
     Ok(())

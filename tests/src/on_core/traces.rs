@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use exercise::replay::scenario::Scenario;
+use exercise::replay::scenario::{MOST_FRAMES, Scenario};
+use firmware::driver::crc32;
 use firmware::trace::{ChunkBuffer, Header, StretchSink, Writer};
 use host_sim::fault::{FaultSpec, Injector};
 use host_sim::profile::Profile;
@@ -15,10 +16,15 @@ use host_sim::sensor::Sensor;
 /// # Errors
 /// If there is no such profile.
 pub fn profile(scenario: &Scenario) -> Result<Profile> {
-    let Some(size) = scenario.gated_size() else { return Ok(Profile::find(scenario.profile)?) };
-    let mut profile = Profile::find("vga-rgb888-gated")?;
+    let large = match scenario.profile {
+        "small-gated" | "qvga-gated" => "vga-rgb888-gated",
+        "small-marker" => "vga-rgb888",
+        "small-embedded" => "bt656-vga-yuv422",
+        name => return Ok(Profile::find(name)?),
+    };
+    let mut profile = Profile::find(large)?;
     profile.name = scenario.profile.to_owned();
-    (profile.frame.width, profile.frame.height) = size;
+    (profile.frame.width, profile.frame.height) = scenario.size();
     profile.check()?;
     Ok(profile)
 }
@@ -40,8 +46,10 @@ pub fn trace(scenario: &Scenario) -> Result<Vec<u8>> {
     if scenario.faults.is_empty() {
         play(scenario, &profile, &mut writer)?;
     } else {
-        let faults = [scenario.faults.parse::<FaultSpec>()?];
-        let mut injector = Injector::new(&profile, &faults, 1, &mut writer)?;
+        let faults =
+            scenario.faults.iter().map(|fault| fault.parse()).collect::<Result<Vec<FaultSpec>, _>>()?;
+        let (first, end) = scenario.faulty;
+        let mut injector = Injector::new(&profile, &faults, 1, &mut writer)?.during(first..end);
         play(scenario, &profile, &mut injector)?;
         injector.finish().map_err(|_| anyhow::anyhow!("{}: the trace is refused", scenario.name))?;
     }
@@ -55,11 +63,28 @@ fn play<S: StretchSink>(scenario: &Scenario, profile: &Profile, sink: &mut S) ->
     played.map_err(|error| anyhow::anyhow!("{}: {error}", scenario.name))
 }
 
-/// Writes a scenario's trace under its name.
+/// CRC-32 of the bytes of each frame that the sensor sends, before any fault: by the picture, and not by the block.
 ///
 /// # Errors
-/// As [`trace`], and if it cannot be written.
+/// If the sensor cannot be had, or there are more than [`MOST_FRAMES`].
+pub fn sent(scenario: &Scenario) -> Result<Vec<u32>> {
+    anyhow::ensure!(scenario.frames <= MOST_FRAMES as u64, "{}: too many frames", scenario.name);
+    let profile = profile(scenario)?;
+    let (width, height) = (profile.frame.width, profile.frame.height);
+    let sensor = Sensor::new(profile)?;
+    let checksum = |number| Ok(crc32(&sensor.encode(&Scene::Moving.render(number, width, height))?));
+    (0..scenario.frames).map(checksum).collect()
+}
+
+/// Writes a scenario's trace, and the checksums of what was sent, under its name.
+///
+/// # Errors
+/// As [`trace`] and [`sent`], and if they cannot be written.
 pub fn write(scenario: &Scenario, folder: &Path) -> Result<()> {
-    let path = folder.join(format!("{}.camt", scenario.name));
-    std::fs::write(&path, trace(scenario)?).with_context(|| format!("cannot write {}", path.display()))
+    let sent: Vec<u8> = sent(scenario)?.into_iter().flat_map(u32::to_le_bytes).collect();
+    for (extension, bytes) in [("camt", trace(scenario)?), ("sent", sent)] {
+        let path = folder.join(format!("{}.{extension}", scenario.name));
+        std::fs::write(&path, bytes).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(())
 }

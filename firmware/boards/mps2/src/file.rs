@@ -48,6 +48,8 @@ impl embedded_io::ErrorType for Input {
 }
 
 impl embedded_io::Read for Input {
+    /// Never inlined: one call of the host's, and one place at which it can go wrong.
+    #[inline(never)]
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, ReadError> {
         self.0.read(buffer).map_err(|_| ReadError)
     }
@@ -55,8 +57,15 @@ impl embedded_io::Read for Input {
 
 /// Fills a buffer from a file; ends the image if the file is shorter.
 pub fn fill(name: &CStr, buffer: &mut [u8]) {
-    if embedded_io::Read::read_exact(&mut Input::open(name), buffer).is_err() {
-        defmt::error!("{=str} is too short", name.to_str().unwrap_or("a file"));
-        exit::failure()
+    let (mut file, mut rest) = (Input::open(name), buffer);
+    while !rest.is_empty() {
+        // What the host says it read beyond what it was asked for counts as the rest.
+        match embedded_io::Read::read(&mut file, rest) {
+            Ok(bytes @ 1..) => rest = rest.get_mut(bytes..).unwrap_or_default(),
+            Ok(0) | Err(_) => {
+                defmt::error!("{=str} is too short", name.to_str().unwrap_or("a file"));
+                exit::failure()
+            }
+        }
     }
 }

@@ -5,7 +5,7 @@
 macro_rules! line_image {
     ($scenario:expr, $words:expr) => {
         /// Words of a line of the camera.
-        const LINE: usize = 640 * 3 / 4;
+        const LINE: usize = exercise::replay::scenario::line_words(640);
         /// Words of the pipeline.
         const PIPELINE: usize = $words;
 
@@ -25,7 +25,12 @@ macro_rules! line_image {
                 $crate::exit::failure()
             };
             $crate::rig::prioritize(&mut core.NVIC);
-            $crate::scene::lines(&$scenario, buffer, ring.each_mut().map(|line| &mut line[..]), memory);
+            $crate::scene::vision(
+                &$scenario,
+                buffer,
+                ring.each_mut().map(|line| Some(&mut line[..])),
+                memory,
+            );
             $crate::exit::success()
         }
     };

@@ -51,7 +51,7 @@ const TIMER_CONTROL: *mut u32 = 0x4000_0000 as *mut u32;
 const TIMER_RELOAD_REGISTER: *mut u32 = 0x4000_0008 as *mut u32;
 const TIMER_CLEAR: *mut u32 = 0x4000_000C as *mut u32;
 
-type Trace = Player<Input, &'static mut ChunkBuffer>;
+type Trace = Player<'static, Input, &'static mut ChunkBuffer>;
 
 static BLOCK: Mutex<RefCell<Option<Camif<'static>>>> = Mutex::new(RefCell::new(None));
 static RECORD: Mutex<RefCell<Record>> = Mutex::new(RefCell::new(Record::new()));
@@ -189,9 +189,25 @@ impl Clocked for Wires {
 
     fn interrupt(&mut self) {
         NVIC::pend(Line::Camif);
-        // The handler has run when these are done: its priority is higher, and nothing is masked.
+        // Unless it is masked, the handler has run when these are done: its priority is higher.
         cortex_m::asm::dsb();
         cortex_m::asm::isb();
+    }
+
+    fn mask(&mut self, masked: bool) {
+        if masked {
+            NVIC::mask(Line::Camif);
+        } else {
+            // SAFETY: its handler is in place while a trace plays, and no critical section relies on a masked interrupt.
+            unsafe { NVIC::unmask(Line::Camif) };
+        }
+        // What is pending has been served when these are done.
+        cortex_m::asm::dsb();
+        cortex_m::asm::isb();
+    }
+
+    fn change_bus(&mut self, bus: Bus) -> Bus {
+        with(|camif| core::mem::replace(camif.bus_mut(), bus)).unwrap_or(bus)
     }
 }
 

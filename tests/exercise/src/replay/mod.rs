@@ -11,12 +11,16 @@
 //!
 //! | module | what lives there |
 //! |---|---|
-//! | [`scenario`] | which trace, which configuration, which bus |
+//! | [`scenario`] | which trace, which configuration, which bus, what goes wrong |
+//! | [`faults`] | every fault that the driver recovers from |
 //! | [`record`] | every access of the driver to the block, as a checksum |
 //! | [`player`] | a stretch a tick |
 //! | [`consumer`] | what the main loop does with lines and frames |
+//! | [`check`] | whether that is what was to come of it |
 
 pub mod scenario;
+pub mod faults;
 pub mod record;
 pub mod player;
 pub mod consumer;
+pub mod check;

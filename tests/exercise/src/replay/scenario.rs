@@ -1,9 +1,48 @@
-//! Which trace, which configuration, which bus.
+//! Which trace, which configuration, which bus, and what goes wrong when.
 
-use firmware::camif::{Bus, Hold, Stall};
+use algos_nostd::image::Rgb;
+use algos_nostd::quantize::Probe;
+use firmware::camif::Bus;
+use firmware::camif::registers::SyncCodes;
 use firmware::driver::Config;
 use firmware::driver::config::{Damaged, Policy, SyncMode};
-use firmware::pipeline::{Balance, Norm, Output, Settings, Smoothing, Thresholds};
+use firmware::pipeline::{Balance, Norm, Output, Palette, Settings, Smoothing, Thresholds};
+
+/// Something that goes wrong for some ticks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Disturbance {
+    /// The first tick of it, from 0.
+    pub from: u64,
+    /// How many there are.
+    pub ticks: u64,
+    /// What it is.
+    pub what: Trouble,
+}
+
+/// What goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trouble {
+    /// The block's interrupt is masked, and the main loop is busy elsewhere.
+    Masked,
+    /// The pixel clock stands still; the trace goes on after it.
+    Silence,
+    /// VSYNC is stuck at this level.
+    Vsync(bool),
+    /// HSYNC is stuck at this level.
+    Hsync(bool),
+    /// The memory bus is another one.
+    Bus(Bus),
+    /// The main loop holds what it has taken, and takes nothing more.
+    Nap,
+}
+
+impl Disturbance {
+    /// This tick is one of them.
+    #[must_use]
+    pub fn covers(&self, tick: u64) -> bool {
+        (self.from..self.from + self.ticks).contains(&tick)
+    }
+}
 
 /// A camera of a scenario.
 #[derive(Clone, Copy, Debug)]
@@ -14,34 +53,72 @@ pub struct Scenario {
     pub profile: &'static str,
     /// Frames in the trace.
     pub frames: u64,
-    /// Faults of the trace, as `host-sim inject` takes them; none if empty.
-    pub faults: &'static str,
+    /// Faults of the trace, as `host-sim inject` takes them.
+    pub faults: &'static [&'static str],
+    /// The first frame that has them, and the first that has them no more; as the wires count, from 1 where blanking
+    /// comes before the first frame.
+    pub faulty: (u64, u64),
     /// The memory bus.
     pub bus: Bus,
+    /// What goes wrong while the trace plays.
+    pub disturbance: Option<Disturbance>,
+    /// Capture is line by line.
+    pub lines: bool,
+    /// How frames are taken.
+    pub policy: Policy,
     /// Ticks that the main loop waits for a frame or line.
     pub patience: u64,
     /// Frames that are not as configured are handed out.
     pub deliver_damaged: bool,
-    /// Frame buffers are kept by the consumer, and never come back.
+    /// Frames are kept until none comes any more for want of a buffer, then all are given back.
     pub hoard: bool,
+    /// What must be seen, in the words of [`outcome`](super::consumer::outcome) and [`cause`](super::consumer::cause), and
+    /// nothing else.
+    pub seen: &'static [&'static str],
+    /// Frames of the trace that may be missing at most. The last one never may.
+    pub missing: usize,
 }
 
 /// Nothing goes wrong.
-const CLEAN: Scenario = Scenario {
+pub(super) const CLEAN: Scenario = Scenario {
     name: "",
     profile: SMALL,
     frames: 4,
-    faults: "",
+    faults: &[],
+    faulty: (0, 0),
     bus: Bus::IDEAL,
+    disturbance: None,
+    lines: false,
+    policy: Policy::InOrder,
     patience: 300,
     deliver_damaged: false,
     hoard: false,
+    seen: &[],
+    missing: 0,
 };
 
-/// The profile of the faults: small, so that many frames pass.
-const SMALL: &str = "small-gated";
-/// Its size.
+/// The profiles of the faults: small, so that many frames pass.
+pub(super) const SMALL: &str = "small-gated";
+/// The same with markers and without blanking.
+pub(super) const SMALL_MARKER: &str = "small-marker";
+/// The same with codes in the data, two bytes a pixel.
+pub(super) const SMALL_EMBEDDED: &str = "small-embedded";
+/// Their size.
 pub const SMALL_SIZE: (u32, u32) = (64, 48);
+/// Words of a buffer for a line of so many pixels: three bytes a pixel, whatever the format.
+#[must_use]
+pub const fn line_words(width: u32) -> usize {
+    (width * 3).div_ceil(4) as usize
+}
+
+/// Words of a buffer for a frame of this width and height. Host and images lend the same: the driver's record tells how much.
+#[must_use]
+pub const fn frame_words((width, height): (u32, u32)) -> usize {
+    (width * height * 3).div_ceil(4) as usize
+}
+
+/// Frames that a scenario has at most.
+pub const MOST_FRAMES: usize = 16;
 
 /// The profile of what is looked at: no larger than a serial line carries.
 const QVGA: &str = "qvga-gated";
@@ -49,82 +126,74 @@ const QVGA: &str = "qvga-gated";
 pub const STREAM_SIZE: (u32, u32) = (320, 240);
 
 /// VGA line by line into Sobel.
-pub const SOBEL: Scenario = Scenario { name: "sobel", profile: "vga-rgb888", frames: 2, ..CLEAN };
+pub const SOBEL: Scenario =
+    Scenario { name: "sobel", profile: "vga-rgb888", frames: 2, lines: true, ..CLEAN };
 /// VGA line by line into Canny.
-pub const CANNY: Scenario = Scenario { name: "canny", profile: "vga-rgb888", frames: 2, ..CLEAN };
+pub const CANNY: Scenario =
+    Scenario { name: "canny", profile: "vga-rgb888", frames: 2, lines: true, ..CLEAN };
+/// VGA line by line into indices of a palette.
+pub const PALETTE: Scenario =
+    Scenario { name: "palette", profile: "vga-rgb888", frames: 2, lines: true, ..CLEAN };
 /// Whole frames.
 pub const FRAMES: Scenario = Scenario { name: "frames", frames: 6, ..CLEAN };
 /// Whole frames for a serial line, again and again.
 pub const STREAM: Scenario = Scenario { name: "stream", profile: QVGA, frames: 8, ..CLEAN };
 
-/// One fault each, and what the driver makes of it.
-pub static FAULTS: [Scenario; 12] = [
-    Scenario { name: "clean", ..CLEAN },
-    Scenario { name: "slow-bus", bus: Bus { latency_max: 3, seed: 7, ..Bus::IDEAL }, ..CLEAN },
-    Scenario {
-        name: "overrun",
-        frames: 8,
-        bus: Bus { hold: Some(Hold { request: 1_000, clocks: 100 }), ..Bus::IDEAL },
-        ..CLEAN
-    },
-    Scenario {
-        name: "stalls",
-        frames: 12,
-        bus: Bus { latency_max: 2, stall: Some(Stall { one_in: 3_000, clocks: 60 }), seed: 3, ..Bus::IDEAL },
-        ..CLEAN
-    },
-    Scenario {
-        name: "bus-stands-still",
-        bus: Bus { latency_min: 1 << 30, latency_max: 1 << 30, ..Bus::IDEAL },
-        ..CLEAN
-    },
-    Scenario { name: "short-line", frames: 8, faults: "short-line:count=1,samples=6", ..CLEAN },
-    Scenario { name: "long-line", frames: 8, faults: "long-line:count=1,samples=6", ..CLEAN },
-    Scenario {
-        name: "missing-hsync",
-        frames: 8,
-        faults: "missing-hsync:count=2",
-        deliver_damaged: true,
-        ..CLEAN
-    },
-    Scenario { name: "vsync-in-frame", frames: 8, faults: "vsync-in-frame", ..CLEAN },
-    Scenario { name: "missing-vsync", frames: 8, faults: "missing-vsync", ..CLEAN },
-    Scenario { name: "no-clock", frames: 0, patience: 4, ..CLEAN },
-    Scenario { name: "no-buffer", frames: 12, patience: 600, hoard: true, ..CLEAN },
-];
+/// The sixteen colours of old: the corners of the cube, the same at half the light, and a light gray.
+pub static COLORS: [Rgb; 16] = {
+    let mut colors = [Rgb { r: 0, g: 0, b: 0 }; 16];
+    let mut index = 0;
+    while index < 16 {
+        let level = if index < 8 { 128 } else { 255 };
+        colors[index] = Rgb {
+            r: if index & 1 != 0 { level } else { 0 },
+            g: if index & 2 != 0 { level } else { 0 },
+            b: if index & 4 != 0 { level } else { 0 },
+        };
+        index += 1;
+    }
+    // Black is there once; light gray in place of the other.
+    colors[8] = Rgb { r: 192, g: 192, b: 192 };
+    colors
+};
 
 impl Scenario {
-    /// The size of a profile that is VGA's with gated lines, but smaller; `None` for one of the host's own.
+    /// Width and height of its profile, pixels.
     #[must_use]
-    pub fn gated_size(&self) -> Option<(u32, u32)> {
+    pub fn size(&self) -> (u32, u32) {
         match self.profile {
-            SMALL => Some(SMALL_SIZE),
-            QVGA => Some(STREAM_SIZE),
-            _ => None,
+            SMALL | SMALL_MARKER | SMALL_EMBEDDED => SMALL_SIZE,
+            QVGA => STREAM_SIZE,
+            _ => (640, 480),
         }
     }
 
     /// What the driver is told. The host checks that the profile says the same.
     #[must_use]
     pub fn config(&self) -> Config {
-        let gated = self.gated_size();
-        let (sync, clocks, lines) = if let Some((width, height)) = gated {
-            let sync = SyncMode::Gated { hsync_blank_high: true, vsync_blank_high: true };
-            (sync, width * 3, height)
-        } else {
-            (SyncMode::Marker { hsync_active_high: true, vsync_active_high: true }, 640 * 3, 480)
+        let (width, height) = self.size();
+        let (sync, clocks) = match self.profile {
+            SMALL | QVGA => (SyncMode::Gated { hsync_blank_high: true, vsync_blank_high: true }, width * 3),
+            SMALL_EMBEDDED => {
+                // BT.656: the first line after the vertical blanking starts the frame, any other code ends it.
+                let codes = SyncCodes::new_with_raw_value(0xFF9D_80FF);
+                let unmask = SyncCodes::new_with_raw_value(u32::MAX);
+                (SyncMode::Embedded { codes, unmask }, width * 2)
+            }
+            _ => (SyncMode::Marker { hsync_active_high: true, vsync_active_high: true }, width * 3),
         };
-        let mut config = Config::new(sync, clocks, lines);
-        config.policy = Policy::InOrder;
+        let mut config = Config::new(sync, clocks, height);
+        config.policy = self.policy;
         config.damaged = if self.deliver_damaged { Damaged::Deliver } else { Damaged::Discard };
         config
     }
 
-    /// What the vision is told.
+    /// What the vision is told. `probes` is a palette's memory.
     #[must_use]
-    pub fn settings(&self) -> Settings<'static> {
+    pub fn settings<'m>(&self, probes: &'m mut [Probe; COLORS.len()]) -> Settings<'m> {
         let output = match self.name {
             "canny" => Output::Canny(Smoothing::Gaussian5, Thresholds { low: 50, high: 150, norm: Norm::L2 }),
+            "palette" => Output::Palette(Palette { colors: &COLORS, probes }),
             _ => Output::Sobel(Smoothing::Gaussian3),
         };
         Settings { balance: Balance::GrayWorld, output, ..Settings::new(640, 480) }

@@ -2,12 +2,12 @@
 #![no_std]
 #![no_main]
 
-use exercise::replay::scenario::{FRAMES, SMALL_SIZE};
+use exercise::replay::scenario::{FRAMES, SMALL_SIZE, frame_words};
 use firmware::trace::ChunkBuffer;
 use mps2::{exit, rig, scene};
 use static_cell::ConstStaticCell;
 
-const WORDS: usize = (SMALL_SIZE.0 * SMALL_SIZE.1 * 3 / 4) as usize;
+const WORDS: usize = frame_words(SMALL_SIZE);
 
 static MEMORY: ConstStaticCell<[[u32; WORDS]; scene::FRAMES]> =
     ConstStaticCell::new([[0; WORDS]; scene::FRAMES]);
@@ -20,6 +20,6 @@ fn main() -> ! {
     };
     rig::prioritize(&mut core.NVIC);
     let Some(buffer) = BUFFER.try_take() else { exit::failure() };
-    scene::frames(&FRAMES, buffer, memory.each_mut().map(|frame| Some(&mut frame[..])));
-    exit::success()
+    let (_, good) = scene::frames(&FRAMES, buffer, memory.each_mut().map(|frame| Some(&mut frame[..])));
+    if good { exit::success() } else { exit::failure() }
 }

@@ -5,7 +5,7 @@
 use core::convert::Infallible;
 
 use exercise::replay::consumer::END;
-use exercise::replay::scenario::{STREAM, STREAM_SIZE};
+use exercise::replay::scenario::{STREAM, STREAM_SIZE, frame_words};
 use firmware::driver::{Frame, FrameCamera};
 use firmware::link::packet::{Level, Meaning};
 use firmware::link::{Format, SendError};
@@ -16,7 +16,7 @@ use mps2::uart::Uart;
 use mps2::{exit, rig, scene, uptime};
 use static_cell::ConstStaticCell;
 
-const WORDS: usize = (STREAM_SIZE.0 * STREAM_SIZE.1 * 3 / 4) as usize;
+const WORDS: usize = frame_words(STREAM_SIZE);
 /// Frame buffers: one that fills, one that is sent, one that is held for lines that are asked for again.
 const FRAMES: usize = 3;
 /// Words of the stages, whatever they are.
