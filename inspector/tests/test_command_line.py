@@ -83,10 +83,15 @@ def test_a_recording_plays_as_a_device(device, tmp_path, place):
         player.communicate(timeout=10)
 
 
+def heeding_ctrl_c() -> None:
+    """A script's background job ignores SIGINT, and so would all that it starts."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def test_ctrl_c_leaves_a_whole_recording(device, tmp_path):
     recording = tmp_path / "run.camr"
     command = [sys.executable, "-m", "camif_inspect", "record", device.url, "-o", str(recording)]
-    with subprocess.Popen(command, stderr=subprocess.PIPE) as recorder:
+    with subprocess.Popen(command, stderr=subprocess.PIPE, preexec_fn=heeding_ctrl_c) as recorder:
         until = time.monotonic() + 10
         while not list(tmp_path.glob(".run.camr.*.part")) and time.monotonic() < until:
             time.sleep(0.02)
@@ -101,7 +106,8 @@ def test_ctrl_c_leaves_a_whole_recording(device, tmp_path):
 def test_ctrl_c_while_saving_leaves_nothing_half_written(device, tmp_path):
     device.interval = 0.02
     command = [sys.executable, "-m", "camif_inspect", "save", device.url, "-n", "100000", "-o", str(tmp_path)]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE) as saver:
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stderr=pipe, stdout=pipe, preexec_fn=heeding_ctrl_c) as saver:
         until = time.monotonic() + 10
         while len(list(tmp_path.glob("*.png"))) < 5 and time.monotonic() < until:
             time.sleep(0.02)
