@@ -123,6 +123,7 @@ fn check(image: &Image, toolchain: &Toolchain, options: &Options) -> Result<Find
             site.place.starts_with(&rule.place)
                 && (!rule.joined || site.line.is_none())
                 && rule.image.as_ref().is_none_or(|name| *name == image.name)
+                && (rule.within.is_empty() || rule.within.iter().any(|name| site.function.contains(name)))
         };
         let shown = format!(
             "{}:{} in {} calls {}",

@@ -58,6 +58,9 @@ pub(super) struct Panic {
     pub(super) joined: bool,
     /// Only in this image; in all of the package if it is not given.
     pub(super) image: Option<String>,
+    /// Only in functions with one of these in their names; in all if there is none.
+    #[serde(default)]
+    pub(super) within: Vec<String>,
     pub(super) reason: String,
 }
 
