@@ -140,6 +140,24 @@ impl Statistics {
     }
 }
 
+impl core::ops::Add for Statistics {
+    type Output = Self;
+
+    /// Those of two captures, one after the other; each count wraps.
+    fn add(self, other: Self) -> Self {
+        Self {
+            delivered: self.delivered.wrapping_add(other.delivered),
+            dropped: self.dropped.wrapping_add(other.dropped),
+            lost: self.lost.wrapping_add(other.lost),
+            skipped: self.skipped.wrapping_add(other.skipped),
+            overruns: self.overruns.wrapping_add(other.overruns),
+            sync_errors: self.sync_errors.wrapping_add(other.sync_errors),
+            dma_errors: self.dma_errors.wrapping_add(other.dma_errors),
+            lines_dropped: self.lines_dropped.wrapping_add(other.lines_dropped),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,5 +176,23 @@ mod tests {
         };
         let text = "frame 3: short: 64 bytes were configured (56 bytes in 7 lines of 8 to 8 bytes)";
         assert_eq!(verdict.to_string(), text);
+    }
+
+    #[test]
+    fn counts_of_two_captures_are_added_each_to_its_own_and_wrap() {
+        let one =
+            Statistics { delivered: u32::MAX, dropped: 1, lost: 2, skipped: 3, ..Statistics::default() };
+        let other = Statistics { overruns: 5, sync_errors: 6, dma_errors: 7, lines_dropped: 8, ..one };
+        let sum = Statistics {
+            delivered: u32::MAX - 1,
+            dropped: 2,
+            lost: 4,
+            skipped: 6,
+            overruns: 5,
+            sync_errors: 6,
+            dma_errors: 7,
+            lines_dropped: 8,
+        };
+        assert_eq!(one + other, sum);
     }
 }

@@ -151,7 +151,7 @@ impl<'c, 'm> Board<'c, 'm> {
 
     /// What became of all frames since the device started.
     pub(super) fn statistics(&self) -> Statistics {
-        sum(self.earlier, self.camera.statistics())
+        self.earlier + self.camera.statistics()
     }
 
     /// Why no frame comes; 0 unless one is waited for.
@@ -323,18 +323,5 @@ impl Device for Board<'_, '_> {
         let count = range.len() as u16;
         self.again.push_back((Rc::clone(held), stream, range));
         Ok(count)
-    }
-}
-
-fn sum(one: Statistics, other: Statistics) -> Statistics {
-    Statistics {
-        delivered: one.delivered.wrapping_add(other.delivered),
-        dropped: one.dropped.wrapping_add(other.dropped),
-        lost: one.lost.wrapping_add(other.lost),
-        skipped: one.skipped.wrapping_add(other.skipped),
-        overruns: one.overruns.wrapping_add(other.overruns),
-        sync_errors: one.sync_errors.wrapping_add(other.sync_errors),
-        dma_errors: one.dma_errors.wrapping_add(other.dma_errors),
-        lines_dropped: one.lines_dropped.wrapping_add(other.lines_dropped),
     }
 }

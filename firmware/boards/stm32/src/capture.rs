@@ -53,7 +53,7 @@ where
     loop {
         let now = sleep();
         if running {
-            account.frames = sum(earlier, camera.statistics());
+            account.frames = earlier + camera.statistics();
         }
         station.tell(account.frames, account.cause);
         let _ = station.serve();
@@ -65,7 +65,7 @@ where
         if let Some(order) = station.control.take_order() {
             camera.stop();
             if running {
-                account.frames = sum(earlier, camera.statistics());
+                account.frames = earlier + camera.statistics();
             }
             (earlier, waiting) = (account.frames, None);
             running = order == Order::Start;
@@ -96,23 +96,10 @@ where
         } else if now.saturating_sub(since) > 1_000 * u64::from(station.control.board.deadline_ms()) {
             let timeout = camera.diagnose();
             camera.stop();
-            *account = Account { frames: sum(earlier, camera.statistics()), cause: Some(timeout.cause) };
+            *account = Account { frames: earlier + camera.statistics(), cause: Some(timeout.cause) };
             station.tell(account.frames, account.cause);
             station.control.release();
             return Ended::Timeout(timeout);
         }
-    }
-}
-
-fn sum(one: Statistics, other: Statistics) -> Statistics {
-    Statistics {
-        delivered: one.delivered.wrapping_add(other.delivered),
-        dropped: one.dropped.wrapping_add(other.dropped),
-        lost: one.lost.wrapping_add(other.lost),
-        skipped: one.skipped.wrapping_add(other.skipped),
-        overruns: one.overruns.wrapping_add(other.overruns),
-        sync_errors: one.sync_errors.wrapping_add(other.sync_errors),
-        dma_errors: one.dma_errors.wrapping_add(other.dma_errors),
-        lines_dropped: one.lines_dropped.wrapping_add(other.lines_dropped),
     }
 }
