@@ -1,7 +1,7 @@
 //! What a person has to say of an image, `audit.toml` of its package: what the machine code does not tell, and which
 //! panics are known, each with its reason.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use serde::Deserialize;
@@ -10,6 +10,8 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Rules {
+    /// Files with more of them, seen from this one's folder; a rule of this one comes first.
+    pub(super) include: Vec<PathBuf>,
     /// Whom calls by address reach.
     pub(super) indirect: Vec<Indirect>,
     /// How often functions that call each other go round.
@@ -65,23 +67,59 @@ pub(super) struct Panic {
 }
 
 impl Rules {
-    /// The rules of a package; none if it has no file.
+    /// The rules of a package, with those of the files that it includes; none if it has no file.
     pub(super) fn read(path: &Path) -> Result<Self> {
-        let text = match std::fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Self::default()),
-            Err(error) => return Err(error).with_context(|| format!("cannot read {}", path.display())),
-        };
-        let rules: Self = toml::from_str(&text).with_context(|| path.display().to_string())?;
+        if !path.exists() {
+            return Ok(Self::default());
+        }
+        let text =
+            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let mut rules: Self = toml::from_str(&text).with_context(|| path.display().to_string())?;
         let reasons = rules.indirect.iter().map(|rule| &rule.reason);
         let reasons = reasons.chain(rules.recursion.iter().map(|rule| &rule.reason));
-        let mut reasons = reasons.chain(rules.nesting.iter().map(|rule| &rule.reason));
+        let reasons = reasons.chain(rules.nesting.iter().map(|rule| &rule.reason));
+        let mut reasons = reasons.chain(rules.panic.iter().map(|rule| &rule.reason));
         anyhow::ensure!(
-            reasons.all(|reason| !reason.trim().is_empty())
-                && rules.panic.iter().all(|rule| !rule.reason.trim().is_empty()),
+            reasons.all(|reason| !reason.trim().is_empty()),
             "{}: a rule has no reason",
             path.display()
         );
+        for file in std::mem::take(&mut rules.include) {
+            let file = path.with_file_name(file);
+            anyhow::ensure!(file.exists(), "{}: there is no {} to include", path.display(), file.display());
+            let Self { include: _, indirect, recursion, nesting, panic } = Self::read(&file)?;
+            rules.indirect.extend(indirect);
+            rules.recursion.extend(recursion);
+            rules.nesting.extend(nesting);
+            rules.panic.extend(panic);
+        }
         Ok(rules)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_of_two_boards_stand_in_one_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(&path, text).unwrap();
+            path
+        };
+        let rule = |place: &str| format!("[[panic]]\nplace = '{place}'\nreason = 'known'\n");
+        let board = write("board/audit.toml", &format!("include = ['../both/audit.toml']\n{}", rule("own")));
+        let missing = Rules::read(&board).unwrap_err().to_string();
+        assert!(missing.contains("../both/audit.toml to include"), "{missing}");
+        write("both/audit.toml", &rule("both"));
+        let rules = Rules::read(&board).unwrap();
+        let places: Vec<&str> = rules.panic.iter().map(|rule| rule.place.as_str()).collect();
+        assert_eq!(places, ["own", "both"]);
+        write("both/audit.toml", "[[panic]]\nplace = 'both'\nreason = ' '\n");
+        assert!(Rules::read(&board).unwrap_err().to_string().contains("no reason"));
+        assert_eq!(Rules::read(&folder.path().join("none.toml")).unwrap(), Rules::default());
     }
 }
