@@ -9,14 +9,8 @@ use super::CaptureError;
 ///
 /// Frames are lent out in the memory that the device wrote; the device has it back when the frame is dropped.
 pub trait CaptureDevice {
-    /// What to call it: the path of a V4L2 device, the name of a camera of libcamera.
-    fn name(&self) -> &str;
-
-    /// What its frames are.
-    fn format(&self) -> &FrameFormat;
-
-    /// What was asked for and not granted, for people.
-    fn notes(&self) -> &[String];
+    /// What was settled when it started.
+    fn opened(&self) -> &Opened;
 
     /// Buffers that the device has at the moment, to be filled.
     fn buffers(&self) -> usize;
@@ -26,6 +20,29 @@ pub trait CaptureDevice {
     /// # Errors
     /// If the device is gone or has stopped.
     fn next(&mut self, timeout: Duration) -> Result<Option<Box<dyn Captured>>, CaptureError>;
+}
+
+/// What is settled when a camera starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opened {
+    /// What to call it: the path of a V4L2 device, the name of a camera of libcamera.
+    pub name: String,
+    /// What its frames are.
+    pub format: FrameFormat,
+    /// What was asked for and not granted, for people.
+    pub notes: Vec<String>,
+}
+
+impl Opened {
+    /// The camera was unplugged.
+    pub(super) fn gone(&self) -> CaptureError {
+        CaptureError::Gone { device: self.name.clone(), frames: 0 }
+    }
+
+    /// The camera has stopped, for this reason.
+    pub(super) fn stopped(&self, what: String) -> CaptureError {
+        CaptureError::Stopped { device: self.name.clone(), frames: 0, what }
+    }
 }
 
 /// A frame in the memory of its device.

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use v4l2_capture::FourCc;
 
-use super::device::{CaptureDevice, Captured, FrameFormat, YuvMeaning};
+use super::device::{CaptureDevice, Captured, FrameFormat, Opened, YuvMeaning};
 use super::error::CaptureError;
 
 /// What comes next.
@@ -26,7 +26,7 @@ pub(super) enum Event {
 /// Gives what it is told to; afterwards nothing more comes.
 #[derive(Debug)]
 pub(super) struct Fake {
-    pub(super) format: FrameFormat,
+    pub(super) opened: Opened,
     pub(super) events: VecDeque<Event>,
     /// Buffers that it has, of 70.
     pub(super) free: Arc<AtomicUsize>,
@@ -51,7 +51,8 @@ impl Fake {
             yuv: YuvMeaning::default(),
             rate: None,
         };
-        Self { format, events: events.into_iter().collect(), free: Arc::new(AtomicUsize::new(70)) }
+        let opened = Opened { name: "fake".to_owned(), format, notes: Vec::new() };
+        Self { opened, events: events.into_iter().collect(), free: Arc::new(AtomicUsize::new(70)) }
     }
 
     /// A whole frame with this number.
@@ -61,16 +62,8 @@ impl Fake {
 }
 
 impl CaptureDevice for Fake {
-    fn name(&self) -> &str {
-        "fake"
-    }
-
-    fn format(&self) -> &FrameFormat {
-        &self.format
-    }
-
-    fn notes(&self) -> &[String] {
-        &[]
+    fn opened(&self) -> &Opened {
+        &self.opened
     }
 
     fn buffers(&self) -> usize {
@@ -81,9 +74,7 @@ impl CaptureDevice for Fake {
         let (sequence, bytes, damaged) = match self.events.pop_front() {
             Some(Event::Frame(sequence, bytes)) => (sequence, bytes, false),
             Some(Event::Damaged(sequence)) => (sequence, vec![0; 9], true),
-            Some(Event::Unplugged) => {
-                return Err(CaptureError::Gone { device: "fake".to_owned(), frames: 0 });
-            }
+            Some(Event::Unplugged) => return Err(self.opened.gone()),
             Some(Event::Nothing) | None => {
                 std::thread::sleep(timeout);
                 return Ok(None);

@@ -35,7 +35,9 @@ pub mod libcamera;
 mod fake;
 
 pub use convert::{Converter, FrameFault};
-pub use device::{CaptureDevice, Captured, Found, FoundFormat, FoundSize, FrameFormat, Settings, YuvMeaning};
+pub use device::{
+    CaptureDevice, Captured, Found, FoundFormat, FoundSize, FrameFormat, Opened, Settings, YuvMeaning,
+};
 pub use error::CaptureError;
 pub use layout::{Layout, Packed, Planar, Samples, Space};
 pub use output::{Files, Output, Written};

@@ -99,7 +99,7 @@ fn take(
     ends: &dyn Fn() -> bool,
     watch: &mut dyn FnMut(&Statistics),
 ) -> Session {
-    let converter = Converter::new(device.format());
+    let converter = Converter::new(&device.opened().format);
     let mut statistics = Statistics::default();
     let started = Instant::now();
     let (mut first, mut last) = (None, started);
@@ -109,7 +109,7 @@ fn take(
         let waited = last.elapsed();
         if waited >= limits.timeout {
             error = Some(CaptureError::Timeout {
-                device: device.name().to_owned(),
+                device: device.opened().name.clone(),
                 waited,
                 frames: statistics.taken,
             });

@@ -51,8 +51,9 @@ fn gaps_damage_and_short_frames_are_counted_and_not_used() {
         Event::Frame(3, vec![8; 9]),
         Event::Frame(4, vec![9; 10]),
     ]);
-    let mut output =
-        Output::new("fake", &fake.format).to_folder(folder.path(), Files { png: true, raw: true }).unwrap();
+    let mut output = Output::new("fake", &fake.opened.format)
+        .to_folder(folder.path(), Files { png: true, raw: true })
+        .unwrap();
     let session = run(&mut fake, PATIENT, Some(&mut output));
     let got = session.statistics;
     assert_eq!((got.taken, got.good, got.damaged, got.short, got.lost), (5, 3, 1, 1, 2));
@@ -81,9 +82,10 @@ fn gaps_damage_and_short_frames_are_counted_and_not_used() {
 fn a_frame_without_gaps_is_written_from_the_devices_memory() {
     let folder = tempfile::tempdir().unwrap();
     let mut fake = Fake::new([Event::Frame(0, (0..8).collect())]);
-    fake.format.strides = vec![4];
-    let mut output =
-        Output::new("fake", &fake.format).to_folder(folder.path(), Files { png: false, raw: true }).unwrap();
+    fake.opened.format.strides = vec![4];
+    let mut output = Output::new("fake", &fake.opened.format)
+        .to_folder(folder.path(), Files { png: false, raw: true })
+        .unwrap();
     let session = run(&mut fake, PATIENT, Some(&mut output));
     assert_eq!((session.statistics.copied_bytes, session.statistics.converted_bytes), (0, 0));
     assert_eq!(std::fs::read(folder.path().join("frame-0000.raw")).unwrap(), [0, 1, 2, 3, 4, 5, 6, 7]);
@@ -93,8 +95,9 @@ fn a_frame_without_gaps_is_written_from_the_devices_memory() {
 fn unplugging_keeps_what_came_before() {
     let folder = tempfile::tempdir().unwrap();
     let mut fake = Fake::new([Fake::frame(0), Fake::frame(1), Event::Unplugged, Fake::frame(2)]);
-    let mut output =
-        Output::new("fake", &fake.format).to_folder(folder.path(), Files { png: false, raw: true }).unwrap();
+    let mut output = Output::new("fake", &fake.opened.format)
+        .to_folder(folder.path(), Files { png: false, raw: true })
+        .unwrap();
     let session = run(&mut fake, PATIENT, Some(&mut output));
     assert!(matches!(session.error, Some(CaptureError::Gone { frames: 2, .. })));
     assert_eq!(files(folder.path()), ["frame-0000.raw", "frame-0001.raw"]);
@@ -108,7 +111,7 @@ fn a_slow_output_drops_frames_with_a_count() {
     fake.free.store(4, Ordering::SeqCst);
     // Two of four buffers can be at the output, and with so large a picture it is slower than the device.
     let pipeline: Pipeline = "scale:2000x2000".parse().unwrap();
-    let mut output = Output::new("fake", &fake.format)
+    let mut output = Output::new("fake", &fake.opened.format)
         .to_folder(folder.path(), Files { png: false, raw: false })
         .unwrap()
         .through(&pipeline);
@@ -132,7 +135,7 @@ fn an_output_that_fails_ends_the_capture_with_its_reason() {
     let mut fake = Fake::new((0..3).map(Fake::frame).chain(std::iter::repeat_n(Event::Nothing, 1000)));
     let place = folder.path().join("frames");
     let mut output =
-        Output::new("fake", &fake.format).to_folder(&place, Files { png: false, raw: true }).unwrap();
+        Output::new("fake", &fake.opened.format).to_folder(&place, Files { png: false, raw: true }).unwrap();
     std::fs::remove_dir(&place).unwrap();
     let session =
         run(&mut fake, Limits { frames: None, timeout: Duration::from_secs(20) }, Some(&mut output));
@@ -155,9 +158,10 @@ fn stopping_ends_it_without_an_error() {
 fn frames_that_are_no_pictures_are_counted() {
     let folder = tempfile::tempdir().unwrap();
     let mut fake = Fake::new((0..2).map(Fake::frame));
-    fake.format.code = v4l2_capture::FourCc::new(b"MJPG");
-    let mut output =
-        Output::new("fake", &fake.format).to_folder(folder.path(), Files { png: true, raw: false }).unwrap();
+    fake.opened.format.code = v4l2_capture::FourCc::new(b"MJPG");
+    let mut output = Output::new("fake", &fake.opened.format)
+        .to_folder(folder.path(), Files { png: true, raw: false })
+        .unwrap();
     let session = run(&mut fake, PATIENT, Some(&mut output));
     assert_eq!((session.statistics.broken, session.statistics.good), (2, 0));
     assert!(!session.statistics.is_clean());
@@ -168,9 +172,10 @@ fn frames_that_are_no_pictures_are_counted() {
 fn a_format_that_is_no_picture_is_said_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let mut fake = Fake::new((0..2).map(Fake::frame));
-    fake.format.code = v4l2_capture::FourCc::new(b"H264");
-    let mut output =
-        Output::new("fake", &fake.format).to_folder(folder.path(), Files { png: true, raw: true }).unwrap();
+    fake.opened.format.code = v4l2_capture::FourCc::new(b"H264");
+    let mut output = Output::new("fake", &fake.opened.format)
+        .to_folder(folder.path(), Files { png: true, raw: true })
+        .unwrap();
     let session = run(&mut fake, PATIENT, Some(&mut output));
     let error = session.error.unwrap().to_string();
     assert!(error.contains("frame 0") && error.contains("--format"), "{error}");
@@ -184,7 +189,7 @@ fn a_trace_holds_the_frames_byte_by_byte_where_they_fit() {
     let mut profile = Profile::built_in("vga-gray8").unwrap();
     (profile.frame.width, profile.frame.height) = (4, 2);
     let mut fake = Fake::new((0..3).map(Fake::frame));
-    let mut output = Output::new("fake", &fake.format).to_trace(&path, &profile).unwrap();
+    let mut output = Output::new("fake", &fake.opened.format).to_trace(&path, &profile).unwrap();
     assert_eq!(output.note(), None);
     let session = run(&mut fake, PATIENT, Some(&mut output));
     assert_eq!((session.statistics.copied_bytes, session.statistics.converted_bytes), (3 * 8, 0));
@@ -195,7 +200,7 @@ fn a_trace_holds_the_frames_byte_by_byte_where_they_fit() {
     // Of another size, by way of a picture.
     profile.frame.width = 8;
     let mut fake = Fake::new([Fake::frame(200)]);
-    let mut output = Output::new("fake", &fake.format).to_trace(&path, &profile).unwrap();
+    let mut output = Output::new("fake", &fake.opened.format).to_trace(&path, &profile).unwrap();
     assert!(output.note().unwrap().contains("scaled to 8 × 2"));
     let session = run(&mut fake, PATIENT, Some(&mut output));
     assert_eq!((session.statistics.copied_bytes, session.statistics.converted_bytes), (0, 24));
@@ -207,7 +212,7 @@ fn a_trace_without_a_frame_is_none() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.vcd");
     let mut fake = Fake::new([]);
-    let mut output = Output::new("fake", &fake.format).to_trace(&path, &Profile::default()).unwrap();
+    let mut output = Output::new("fake", &fake.opened.format).to_trace(&path, &Profile::default()).unwrap();
     run(&mut fake, PATIENT, Some(&mut output));
     assert_eq!(output.finish().unwrap().1, None);
     assert!(files(folder.path()).is_empty());

@@ -239,8 +239,8 @@ impl Capture {
         stop: &AtomicBool,
         line: &indicatif::ProgressBar,
     ) -> anyhow::Result<DeviceReport> {
-        let name = device.name().to_owned();
-        let mut output = Output::new(&name, device.format());
+        let name = device.opened().name.clone();
+        let mut output = Output::new(&name, &device.opened().format);
         if let Some(folder) = folder {
             output = output.to_folder(folder, self.keep.files())?;
         }
@@ -250,7 +250,7 @@ impl Capture {
         if let (Some(path), Some(profile)) = (&self.as_trace, profile) {
             output = output.to_trace(path, profile)?;
         }
-        for note in device.notes().iter().cloned().chain(output.note()) {
+        for note in device.opened().notes.iter().cloned().chain(output.note()) {
             line.suspend(|| eprintln!("note: {name}: {note}"));
         }
         let mut report = DeviceReport::new(device);

@@ -53,15 +53,15 @@ struct TraceReport {
 
 impl DeviceReport {
     pub(super) fn new(device: &dyn CaptureDevice) -> Self {
-        let format = device.format();
+        let format = &device.opened().format;
         Self {
-            device: device.name().to_owned(),
+            device: device.opened().name.clone(),
             format: format.code.to_string(),
             width: format.width,
             height: format.height,
             strides: format.strides.clone(),
             rate: format.rate,
-            notes: device.notes().to_vec(),
+            notes: device.opened().notes.clone(),
             statistics: Statistics::default(),
             seconds: 0.0,
             frames_per_second: 0.0,

@@ -69,8 +69,8 @@ fn describe(id: ControlId, info: &ControlInfo) -> FoundControl {
 
 /// A value as it is given on the command line.
 fn text(value: &ControlValue) -> String {
-    fn list<T: ToString>(values: &[T]) -> String {
-        values.iter().map(T::to_string).collect::<Vec<_>>().join(",")
+    fn list<T: ToString>(values: impl IntoIterator<Item = T>) -> String {
+        values.into_iter().map(|value| value.to_string()).collect::<Vec<_>>().join(",")
     }
     match value {
         ControlValue::None => String::new(),
@@ -83,15 +83,10 @@ fn text(value: &ControlValue) -> String {
         ControlValue::Float(of) => list(of),
         ControlValue::String(of) => list(of),
         ControlValue::Rectangle(of) => {
-            let all = of.iter().map(|part| format!("{}x{}+{}+{}", part.width, part.height, part.x, part.y));
-            list(&all.collect::<Vec<_>>())
+            list(of.iter().map(|part| format!("{}x{}+{}+{}", part.width, part.height, part.x, part.y)))
         }
-        ControlValue::Size(of) => {
-            list(&of.iter().map(|size| format!("{}x{}", size.width, size.height)).collect::<Vec<_>>())
-        }
-        ControlValue::Point(of) => {
-            list(&of.iter().map(|point| format!("{}+{}", point.x, point.y)).collect::<Vec<_>>())
-        }
+        ControlValue::Size(of) => list(of.iter().map(|size| format!("{}x{}", size.width, size.height))),
+        ControlValue::Point(of) => list(of.iter().map(|point| format!("{}+{}", point.x, point.y))),
     }
 }
 

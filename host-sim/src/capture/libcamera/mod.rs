@@ -26,7 +26,7 @@ use ::libcamera::properties;
 use ::libcamera::request::{Request, RequestStatus};
 use ::libcamera::stream::Stream;
 
-use super::device::{CaptureDevice, Captured, Found, FrameFormat, Settings};
+use super::device::{CaptureDevice, Captured, Found, Opened, Settings};
 use super::error::CaptureError;
 pub use control::{FoundControl, controls};
 use library::{Event, Library};
@@ -64,14 +64,12 @@ pub fn list() -> Result<Vec<Found>, CaptureError> {
 /// A camera that streams.
 #[derive(Debug)]
 pub struct Libcamera {
-    name: String,
-    format: FrameFormat,
-    notes: Vec<String>,
+    opened: Opened,
     number: u64,
     stream: Stream,
     free: Arc<AtomicUsize>,
     events: Receiver<Event>,
-    library: Arc<Library>,
+    user: Arc<Library>,
 }
 
 impl Libcamera {
@@ -80,26 +78,17 @@ impl Libcamera {
     /// # Errors
     /// [`CaptureError`] with the setting that was refused, and what there is instead.
     pub fn start(id: &str, settings: &Settings) -> Result<Self, CaptureError> {
-        let library = Arc::new(Library::open()?);
+        let user = Arc::new(Library::open()?);
         let (id, settings) = (id.to_owned(), settings.clone());
-        let name = id.clone();
-        let started = library.ask(move |cameras| stream::start(cameras, &id, &settings))??;
-        let stream::Started { format, notes, number, stream, free, events } = started;
-        Ok(Self { name, format, notes, number, stream, free, events, library })
+        let started = user.ask(move |cameras| stream::start(cameras, &id, &settings))??;
+        let stream::Started { opened, number, stream, free, events } = started;
+        Ok(Self { opened, number, stream, free, events, user })
     }
 }
 
 impl CaptureDevice for Libcamera {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn format(&self) -> &FrameFormat {
-        &self.format
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
+    fn opened(&self) -> &Opened {
+        &self.opened
     }
 
     fn buffers(&self) -> usize {
@@ -107,7 +96,6 @@ impl CaptureDevice for Libcamera {
     }
 
     fn next(&mut self, timeout: Duration) -> Result<Option<Box<dyn Captured>>, CaptureError> {
-        let stopped = |what: String| CaptureError::Stopped { device: self.name.clone(), frames: 0, what };
         match self.events.recv_timeout(timeout) {
             Ok(Event::Finished(request)) => {
                 self.free.fetch_sub(1, Ordering::SeqCst);
@@ -119,13 +107,15 @@ impl CaptureDevice for Libcamera {
                     request: Some(request),
                     stream: self.stream,
                     camera: self.number,
-                    library: Arc::clone(&self.library),
+                    user: Arc::clone(&self.user),
                 })))
             }
-            Ok(Event::Disconnected) => Err(CaptureError::Gone { device: self.name.clone(), frames: 0 }),
-            Ok(Event::Refused(error)) => Err(stopped(format!("it takes no more buffers: {error}"))),
+            Ok(Event::Disconnected) => Err(self.opened.gone()),
+            Ok(Event::Refused(error)) => {
+                Err(self.opened.stopped(format!("it takes no more buffers: {error}")))
+            }
             Err(RecvTimeoutError::Timeout) => Ok(None),
-            Err(RecvTimeoutError::Disconnected) => Err(stopped("libcamera has ended".to_owned())),
+            Err(RecvTimeoutError::Disconnected) => Err(self.opened.stopped("libcamera has ended".to_owned())),
         }
     }
 }
@@ -134,7 +124,7 @@ impl Drop for Libcamera {
     fn drop(&mut self) {
         let number = self.number;
         // Waits, because what is under way comes back through the events.
-        let _ = self.library.ask(move |cameras| cameras.end(number));
+        let _ = self.user.ask(move |cameras| cameras.end(number));
     }
 }
 
@@ -144,7 +134,7 @@ struct Frame {
     request: Option<Request>,
     stream: Stream,
     camera: u64,
-    library: Arc<Library>,
+    user: Arc<Library>,
 }
 
 impl Frame {
@@ -187,7 +177,7 @@ impl Drop for Frame {
     fn drop(&mut self) {
         if let Some(request) = self.request.take() {
             let camera = self.camera;
-            self.library.tell(move |cameras| cameras.give_back(camera, request));
+            self.user.tell(move |cameras| cameras.give_back(camera, request));
         }
     }
 }

@@ -11,15 +11,14 @@ use ::libcamera::framebuffer_map::MemoryMappedFrameBuffer;
 use ::libcamera::request::Request;
 use ::libcamera::stream::Stream;
 
-use super::super::device::{FrameFormat, Settings};
+use super::super::device::{FrameFormat, Opened, Settings};
 use super::super::error::CaptureError;
 use super::library::{Active, Cameras, Event};
 use super::{control, format};
 
 /// A camera that has begun.
 pub(super) struct Started {
-    pub(super) format: FrameFormat,
-    pub(super) notes: Vec<String>,
+    pub(super) opened: Opened,
     pub(super) number: u64,
     pub(super) stream: Stream,
     pub(super) free: Arc<AtomicUsize>,
@@ -87,7 +86,7 @@ pub(super) fn start(cameras: &mut Cameras, id: &str, settings: &Settings) -> Res
             .map_err(|(_, error)| refused("a buffer", &error, "take a smaller size, or see `dmesg`"))?;
     }
     let number = cameras.keep(Active { camera, events: sender, free: Arc::clone(&free) });
-    Ok(Started { format, notes, number, stream, free, events })
+    Ok(Started { opened: Opened { name: id.to_owned(), format, notes }, number, stream, free, events })
 }
 
 /// A request for each piece of memory that the camera allocates.

@@ -17,7 +17,7 @@ use std::time::Duration;
 
 use v4l2_capture::{Buffer, Device, Stream};
 
-use super::device::{CaptureDevice, Captured, FrameFormat, Settings};
+use super::device::{CaptureDevice, Captured, FrameFormat, Opened, Settings};
 use super::error::CaptureError;
 pub use control::{ControlValue, controls, set_control};
 use format::{meaning, set_format, set_rate};
@@ -27,10 +27,8 @@ use refusal::{open_error, refused, unknown};
 /// A camera that streams.
 #[derive(Debug)]
 pub struct V4l2 {
-    name: String,
+    opened: Opened,
     stream: Stream,
-    format: FrameFormat,
-    notes: Vec<String>,
 }
 
 /// Opens a device that captures.
@@ -84,21 +82,13 @@ impl V4l2 {
             yuv: meaning(&format),
             rate,
         };
-        Ok(Self { name: path.display().to_string(), stream, format, notes })
+        Ok(Self { opened: Opened { name: path.display().to_string(), format, notes }, stream })
     }
 }
 
 impl CaptureDevice for V4l2 {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn format(&self) -> &FrameFormat {
-        &self.format
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
+    fn opened(&self) -> &Opened {
+        &self.opened
     }
 
     fn buffers(&self) -> usize {
@@ -108,12 +98,8 @@ impl CaptureDevice for V4l2 {
     fn next(&mut self, timeout: Duration) -> Result<Option<Box<dyn Captured>>, CaptureError> {
         match self.stream.next(timeout) {
             Ok(buffer) => Ok(buffer.map(|buffer| Box::new(buffer) as Box<dyn Captured>)),
-            Err(error) if error.is_gone() => Err(CaptureError::Gone { device: self.name.clone(), frames: 0 }),
-            Err(error) => Err(CaptureError::Stopped {
-                device: self.name.clone(),
-                frames: 0,
-                what: format!("{}: {}", error.request, error.source),
-            }),
+            Err(error) if error.is_gone() => Err(self.opened.gone()),
+            Err(error) => Err(self.opened.stopped(format!("{}: {}", error.request, error.source))),
         }
     }
 }
