@@ -61,11 +61,12 @@ fn hue_is_read_as_the_device_says() {
             let code = v4l2_capture::FourCc::parse(code);
             let settings = Settings { size: Some(SIZE), code, buffers: 3, ..Settings::default() };
             let mut device = V4l2::start(Path::new(ONE), &settings).unwrap();
+            let format = device.opened().format.clone();
             let frame = device.next(Duration::from_secs(5)).unwrap().expect("a frame in five seconds");
-            let mut converter = Converter::new(device.format());
+            let mut converter = Converter::new(&format);
             let picture = converter.picture(&frame.planes()).unwrap();
             let (difference, place) = bars::difference(picture, &bars::picture(SIZE.0, SIZE.1, 255), 0);
-            assert_eq!(device.format().yuv.whole_hue, whole);
+            assert_eq!(format.yuv.whole_hue, whole);
             assert!(difference <= bound, "{code:?}: {difference} at {place:?}");
         }
     }
@@ -77,9 +78,9 @@ fn every_format_shows_the_bars() {
     cameras();
     let (mut pictures, mut wrong) = (0, Vec::new());
     for path in [ONE, PLANES].map(Path::new) {
-        for format in open(path).unwrap().formats().unwrap() {
-            let code = format.code.to_string();
-            let Some(layout) = Layout::of(format.code) else {
+        for offered in open(path).unwrap().formats().unwrap() {
+            let code = offered.code.to_string();
+            let Some(layout) = Layout::of(offered.code) else {
                 println!("{} {code}: raw bytes only", path.display());
                 continue;
             };
@@ -87,14 +88,12 @@ fn every_format_shows_the_bars() {
                 set_hue(path.to_str().unwrap(), &code, 0);
             }
             let settings =
-                Settings { size: Some(SIZE), code: Some(format.code), buffers: 3, ..Settings::default() };
+                Settings { size: Some(SIZE), code: Some(offered.code), buffers: 3, ..Settings::default() };
             let mut device = V4l2::start(path, &settings).unwrap();
-            assert_eq!(
-                (device.format().code, device.format().width, device.format().height),
-                (format.code, SIZE.0, SIZE.1)
-            );
+            let format = device.opened().format.clone();
+            assert_eq!((format.code, format.width, format.height), (offered.code, SIZE.0, SIZE.1));
             let frame = device.next(Duration::from_secs(5)).unwrap().expect("a frame in five seconds");
-            let mut converter = Converter::new(device.format());
+            let mut converter = Converter::new(&format);
             let picture = converter.picture(&frame.planes()).unwrap();
             let (bound, margin) = bound(&code, layout);
             let (difference, place) = bars::difference(picture, &expected(&code, layout), margin);
@@ -102,7 +101,7 @@ fn every_format_shows_the_bars() {
             if difference > bound {
                 wrong.push(format!(
                     "{code} differs by {difference} at {place:?}: {:?} {:?}",
-                    device.format().yuv,
+                    format.yuv,
                     picture.get_pixel(place.0, place.1)
                 ));
             }

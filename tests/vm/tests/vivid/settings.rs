@@ -69,7 +69,7 @@ fn the_rate_asked_for_is_the_rate_that_comes() {
         let settings =
             Settings { size: Some((320, 180)), rate: Some(rate), buffers: 4, ..Settings::default() };
         let mut device = V4l2::start(Path::new(ONE), &settings).unwrap();
-        assert_eq!((device.format().rate, device.notes()), (Some(rate), &[][..]));
+        assert_eq!((device.opened().format.rate, &device.opened().notes[..]), (Some(rate), &[][..]));
         let mut times = Vec::new();
         while times.len() < 12 {
             let frame = device.next(Duration::from_secs(5)).unwrap().expect("a frame in five seconds");
