@@ -1,9 +1,11 @@
 """The command: files that are whole or not there, exit status, one clear line."""
 
+import errno
 import json
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -14,6 +16,7 @@ import pytest
 from PIL import Image
 
 import camif_inspect
+import device as devices
 import pictures
 from camif_inspect.command_line import main
 from camif_inspect.recording import RecordingReader, RecordingWriter
@@ -136,6 +139,16 @@ CASES = [
     (["stats", "{text}"], "is a file but no recording"),
     (["stats", "{later}"], "is a recording of version 9; this program reads version 1"),
     (["play", "{empty}", "--to", "udp:1"], "`udp:1` is neither tcp:HOST:PORT nor pty"),
+    (["view", "--play", "nothing.camr"], "cannot read nothing.camr: No such file"),
+    (["view", "socket://localhost"], "cannot open socket://localhost: write socket://HOST:PORT"),
+    (["view", "socket://localhost:70000"], "cannot open socket://localhost:70000: write socket://HOST:PORT"),
+    (["view", "socket://:7000"], "cannot open socket://:7000: write socket://HOST:PORT"),
+    (["view", "sokcet://localhost:7000"], "cannot open sokcet://localhost:7000: invalid URL, protocol 'sokcet'"),
+    (["stats", "/dev/null"], "cannot open /dev/null: it is no serial port"),
+    (["record", "{empty}", "-o", "."], "cannot write .: it is a directory; name a file"),
+    (["record", "{empty}", "-o", "{text}/a.camr"], "text is no directory"),
+    (["save", "{empty}", "-o", "picture.jpg"], "picture.jpg: a picture is written as .png, or its bytes as .raw"),
+    (["save", "{empty}", "-o", "a.png", "--kind", "raw"], "a.png is a .png file, and --kind asks for raw"),
 ]
 
 
@@ -152,10 +165,115 @@ def test_bad_input_gets_one_clear_line(tmp_path, capsys, arguments, words):
     assert re.fullmatch(r"camif-inspect: [^\n]+\n", error)
 
 
-def test_usage_is_one_line_too(capsys):
+USAGE = [
+    (["save"], "the following arguments are required: URL"),
+    (["stats", "x", "--seconds", "-1"], "--seconds: it takes a number above zero, not `-1`"),
+    (["record", "x", "-o", "y", "--seconds", "nan"], "--seconds: it takes a number above zero, not `nan`"),
+    (["play", "x", "--speed", "-1"], "--speed: it takes zero or a number above zero, not `-1`"),
+    (["save", "x", "-n", "0"], "-n/--frames: it takes a whole number from 1 on, not `0`"),
+    (["view", "x", "--port", "70000"], "--port: it takes a whole number from 0 to 65535, not `70000`"),
+    (["command", "x", "ping", "--block", "256"], "--block: it takes a whole number from 0 to 255, not `256`"),
+    (["stats", "x", "--baud", "fast"], "--baud: it takes a whole number from 1 on, not `fast`"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "words"), USAGE, ids=lambda value: value if isinstance(value, str) else "")
+def test_usage_is_one_line_too(capsys, arguments, words):
     with pytest.raises(SystemExit, match="2"):
-        main(["save"])
-    assert capsys.readouterr().err.count("\n") == 1
+        main(arguments)
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+
+
+def test_a_request_that_makes_no_sense_is_bad_usage_and_a_refusal_is_not(device, capsys):
+    for request, status in ((["jump"], 2), (["read"], 2), (["snapshot", "0"], 2), (["read", "0x99"], 1)):
+        assert main(["command", device.url, *request]) == status
+    assert main(["command", device.url, "stages", "0", "gray|" * 110 + "gray"]) == 2
+    assert "a command of 558 bytes is too long: the device takes 500" in capsys.readouterr().err
+
+
+def test_paths_with_brackets_are_only_paths(device, tmp_path, capsys):
+    recording = tmp_path / "[red]run[/red].camr"
+    assert main(["record", device.url, "-o", str(recording), "--seconds", "0.3"]) == 0
+    assert recording.exists()
+    assert "[red]run[/red].camr" in capsys.readouterr().err
+
+
+class FullDisk:
+    """A file that takes so many bytes, and then no more."""
+
+    def __init__(self, room):
+        """Have room for `room` bytes."""
+        self.data = b""
+        self.room = room
+
+    def write(self, data):
+        """Take what there is room for, as the system does."""
+        taken = bytes(data[: self.room - len(self.data)])
+        if not taken:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        self.data += taken
+        return len(taken)
+
+
+def test_a_full_disk_ends_a_recording_that_is_good_up_to_there(tmp_path):
+    file = FullDisk(24 + 2 * (16 + 5) + 18)
+    writer = RecordingWriter(file)
+    for at in range(5):
+        writer.write(at, b"12345")
+    assert writer.failure.errno == errno.ENOSPC
+    assert writer.bytes_written == 10
+    path = tmp_path / "full.camr"
+    path.write_bytes(file.data)
+    reader = RecordingReader(path)
+    assert [record.data for record in reader] == [b"12345"] * 2
+    assert reader.cut_short
+
+
+def test_a_full_disk_is_one_clear_line(device, tmp_path, capsys, monkeypatch):
+    def full(self, at, data, direction=0):  # noqa: ARG001
+        self.failure = OSError(errno.ENOSPC, "No space left on device")
+
+    def no_room(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    recording = tmp_path / "run.camr"
+    with monkeypatch.context() as patch:
+        patch.setattr(RecordingWriter, "write", full)
+        assert main(["record", device.url, "-o", str(recording)]) == 2
+    assert "run.camr ends early, but is good up to there: No space left on device" in capsys.readouterr().err
+    assert list(RecordingReader(recording)) == []
+    monkeypatch.setattr(Image.Image, "save", no_room)
+    assert main(["save", device.url, "-o", str(tmp_path / "a.png")]) == 2
+    assert re.search(r"^camif-inspect: cannot write \S+a.png: No space left on device$", capsys.readouterr().err, re.M)
+    assert [path.name for path in tmp_path.iterdir()] == ["run.camr"]
+
+
+def test_what_is_cut_short_is_said(device, tmp_path, capsys):
+    path = tmp_path / "run.camr"
+    assert main(["record", device.url, "-o", str(path), "--seconds", "0.5"]) == 0
+    path.write_bytes(path.read_bytes()[:-1])
+    assert main(["stats", str(path)]) == 0
+    assert "run.camr is at its end, cut short within a record" in capsys.readouterr().err
+
+
+def test_a_port_that_is_not_there_yet_is_waited_for(capsys):
+    made = devices.Device([("raw", devices.RGB888, devices.RAW, pictures.colour)])
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+
+    def appear():
+        made._listener = socket.create_server(("127.0.0.1", port))
+        made._listener.settimeout(0.1)
+        made._start(made._serve_tcp)
+
+    with made:
+        threading.Timer(0.5, appear).start()
+        assert main(["command", f"socket://127.0.0.1:{port}", "--wait", "ping"]) == 0
+    told = capsys.readouterr()
+    assert told.out.startswith("answered in ")
+    assert "refused; waiting for it" in told.err
 
 
 def test_stats_and_command(device, capsys):

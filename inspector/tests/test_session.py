@@ -4,9 +4,11 @@ import contextlib
 import os
 import pty
 import socket
+import struct
 import threading
 import time
 import tty
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -15,9 +17,9 @@ from cobs import cobs
 import camif_inspect
 import device as devices
 import pictures
-from camif_inspect import CommandError, InspectError, PortError, Verdict
+from camif_inspect import Command, CommandError, InspectError, PortError, Verdict
 from camif_inspect.ask import ask
-from camif_inspect.port import Chunk
+from camif_inspect.port import Chunk, SerialSource
 from camif_inspect.recording import FROM_DEVICE, RecordingReader, RecordingWriter
 from camif_inspect.session import Session
 
@@ -102,6 +104,36 @@ def test_a_device_of_another_version_is_told_from_noise(device):
             next(camera.frames(timeout=1))
 
 
+def test_a_device_of_another_version_gets_no_command_and_it_is_said_why(device):
+    device.version, device.running = 3, False
+    with camif_inspect.open(device.url) as camera:
+        with pytest.raises(CommandError, match="no reply to PING .*speaks version 3 of .*update this program"):
+            camera.command(Command.PING, timeout=0.3)
+
+
+def test_a_port_that_another_program_has_open_is_not_shared_with_it():
+    controller, terminal = pty.openpty()
+    try:
+        with camif_inspect.open(os.ttyname(terminal)):
+            with pytest.raises(PortError, match="cannot open /dev/pts/.*: another program has it open"):
+                camif_inspect.open(os.ttyname(terminal))
+        camif_inspect.open(os.ttyname(terminal)).close()
+    finally:
+        os.close(controller)
+        os.close(terminal)
+
+
+def test_no_frame_of_a_stream_is_told_with_the_reason(device):
+    with camif_inspect.open(device.url) as camera:
+        assert camera.introduced(10)
+        with pytest.raises(InspectError, match=r"no frame of stream sides .*: the device has 0 \(raw\), 1 \(edges\)"):
+            next(camera.frames("sides", timeout=0.3))
+        assert list(ask(camera, ["streams", "0"])) == ["on: 0"]
+        wait_for(lambda: not camera.receiver.streams[1].info.on)
+        with pytest.raises(InspectError, match="no frame of stream edges for .*it is off; turn it on"):
+            next(camera.frames("edges", timeout=0.3))
+
+
 def test_noise_is_told_for_what_it_is():
     with socket.create_server(("127.0.0.1", 0)) as listener:
 
@@ -153,6 +185,32 @@ def test_a_device_that_does_not_answer_is_asked_again_and_then_given_up():
         kinds = [cobs.decode(piece)[6] for piece in asked]
         assert kinds == [1] * 2 + [2] * 4
         assert len(set(asked)) == 2
+
+
+def test_a_reply_behind_much_that_waits_is_waited_for():
+    """A busy machine reads slowly: what the device sent before its reply takes longer than all four attempts."""
+    before = devices.wire(devices.link.log(3, 0, 0, 5, "x" * 200)) * 200
+    replied = threading.Event()
+
+    def talk(listener):
+        connection, _ = listener.accept()
+        heard = b""
+        while b"\0" not in heard[1:]:
+            heard += connection.recv(1000)
+        request, command = struct.unpack_from("<HB", cobs.decode(heard.strip(b"\0").split(b"\0")[0]), 4)
+        connection.sendall(before + devices.wire(devices.link.reply(request, command, 0, b"late")))
+        replied.set()
+        while connection.recv(1000):
+            pass
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        threading.Thread(target=talk, args=(listener,), daemon=True).start()
+        source = SerialSource(f"socket://127.0.0.1:{listener.getsockname()[1]}")
+        quick, source._read = source._read, lambda: (replied.wait(10) and time.sleep(0.005)) or quick()
+        with mock.patch("camif_inspect.port._READ_BYTES", 500), mock.patch.object(Session, "_greet"):
+            with Session(source) as camera:
+                assert camera.command(Command.PING, timeout=0.05).rest == b"late"
+                assert camera.receiver.counts.bytes > len(before)
 
 
 ANSWERS = [

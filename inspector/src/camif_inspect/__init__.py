@@ -19,14 +19,15 @@ The map, in data-flow order:
 | `receiver` | bytes become frames, log and statistics; pure |
 | `counts` | what a receiver has seen, in numbers |
 | `formats` | what the bytes of a pixel mean, and how they look |
-| `session` | a thread that listens, commands and replies, ports that vanish and come back |
+| `session` | a thread that listens, and ports that vanish and come back |
+| `exchange` | commands sent, again if need be, and their replies found |
 | `commands` | commands packed, replies unpacked |
 | `registers` | the register map with the names of its bits |
 | `recording` | the bytes of the line in a file, with their times |
 | `files` | files that are whole or not there |
 | `save` | frames as PNG and raw files |
 | `view` | the live view: a page in the browser over a websocket |
-| `command_line` | the command `camif-inspect` |
+| `arguments`, `command_line` | the command `camif-inspect` |
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from pathlib import Path
 
 from .commands import Command, Parameter
 from .counts import Counts
-from .errors import CommandError, FormatError, InspectError, PortError, RecordingError
+from .errors import CommandError, FormatError, InspectError, PortError, RecordingError, RequestError
 from .frame import Frame
 from .packet import Verdict
 from .port import DEFAULT_BAUD, source_for
@@ -53,6 +54,7 @@ __all__ = [
     "Parameter",
     "PortError",
     "RecordingError",
+    "RequestError",
     "Session",
     "Verdict",
     "open",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from . import commands
 from .commands import Command, number
-from .errors import CommandError
+from .errors import CommandError, RequestError
 from .packet import Hello
 from .registers import BY_NAME, BY_OFFSET
 from .session import Session
@@ -31,11 +31,13 @@ def ask(session: Session, request: Sequence[str], block: int = 0) -> Iterator[st
     word, *rest = request
     handler, least, most = _REQUESTS.get(word, (None, 0, 0))
     if handler is None:
-        raise CommandError(f"`{word}` is no request; there are {', '.join(_REQUESTS)}")
+        raise RequestError(f"`{word}` is no request; there are {', '.join(_REQUESTS)}")
     if not least <= len(rest) <= most:
-        raise CommandError(
+        raise RequestError(
             f"{word} takes {least if least == most else f'{least} to {most}'} arguments, not {len(rest)}"
         )
+    if not 0 <= block <= 255:
+        raise RequestError(f"a block is 0 to 255, not {block}")
     return handler(session, rest, block)
 
 

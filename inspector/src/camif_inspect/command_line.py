@@ -7,103 +7,39 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 import time
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, DownloadColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from . import __version__, statistics
+from . import statistics
+from .arguments import parser
 from .ask import ask
-from .errors import CommandError, InspectError
+from .errors import CommandError, InspectError, RequestError
 from .files import replacing
 from .play import channel_at, play
-from .port import DEFAULT_BAUD, RecordedSource, source_for
-from .recording import SUFFIX, RecordingWriter
+from .port import RecordedSource, Source, source_for
+from .recording import RecordingWriter
 from .save import KINDS, save_frame, sentence, stem, summary
 from .session import Session
 
-_URL = "a port, a pty, socket://HOST:PORT or any URL that pyserial takes; or a recording"
+_OTHER_PICTURES = {".jpg", ".jpeg", ".bmp", ".gif", ".tif", ".tiff", ".webp", ".ppm", ".pgm", ".pnm"}
 _errors = Console(stderr=True, highlight=False, soft_wrap=True)
-
-
-class _Parser(argparse.ArgumentParser):
-    """One clear line instead of the whole usage."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="camif-inspect", description="Receives the frames that a camif device sends, and shows them.")
-    parser.add_argument("--version", action="version", version=f"camif-inspect {__version__}")
-    verbs = parser.add_subparsers(dest="verb", required=True, metavar="COMMAND")
-
-    def verb(name: str, text: str, url: bool = True) -> argparse.ArgumentParser:
-        made = verbs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
-        if url:
-            made.add_argument("url", metavar="URL", help=_URL)
-            made.add_argument("--baud", type=int, default=DEFAULT_BAUD, help="rate of a serial line (%(default)s)")
-            made.add_argument("--wait", action="store_true", help="wait for a port that is not there yet")
-        return made
-
-    view = verbs.add_parser("view", help="show the live picture in the browser")
-    view.add_argument("url", metavar="URL", nargs="?", help=_URL)
-    view.add_argument("--play", metavar="FILE", type=Path, help="show a recording instead")
-    view.add_argument("--speed", type=float, default=1.0, help="of a recording; 0 is as fast as it goes (%(default)s)")
-    view.add_argument("--loop", action="store_true", help="play a recording again and again")
-    view.add_argument("--baud", type=int, default=DEFAULT_BAUD, help="rate of a serial line (%(default)s)")
-    view.add_argument("--host", default="127.0.0.1", help="address to serve the page at (%(default)s)")
-    view.add_argument("--port", type=int, default=8137, help="TCP port to serve it at, 0 for a free one (%(default)s)")
-    view.add_argument("--save-to", type=Path, default=Path(), metavar="DIR", help="where the page's Save puts files")
-    view.add_argument("--no-browser", action="store_true", help="print the address and open nothing")
-
-    save = verb("save", "save frames as PNG and raw files")
-    save.add_argument("-n", "--frames", type=int, default=1, help="how many (%(default)s)")
-    save.add_argument(
-        "-o", "--out", type=Path, default=Path(), help="a directory, or for one frame a .png or .raw file"
-    )
-    save.add_argument("--stream", help="number or name; all, if it is left out")
-    save.add_argument("--kind", choices=(*KINDS, "both"), default="both", help="what to write (%(default)s)")
-    save.add_argument("--whole", action="store_true", help="pass over frames that have any fault")
-    save.add_argument("--no-resend", action="store_true", help="do not ask for missing lines again")
-    save.add_argument(
-        "--timeout", type=float, default=30.0, help="seconds without a frame to give up after (%(default)s)"
-    )
-    save.add_argument("--json", action="store_true", help="one JSON object on stdout")
-
-    record = verb("record", "write the bytes of the line to a file, with their times; Ctrl-C ends it")
-    record.add_argument("-o", "--out", type=Path, required=True, help=f"the recording, usually *{SUFFIX}")
-    record.add_argument("--seconds", type=float, help="end after so long")
-
-    playing = verb("play", "play a recording as if the device were there", url=False)
-    playing.add_argument("file", type=Path, help="a recording")
-    playing.add_argument("--to", default="tcp:127.0.0.1:0", help="tcp:HOST:PORT or pty (%(default)s)")
-    playing.add_argument("--speed", type=float, default=1.0, help="1 as it was, 0 as fast as it is taken (%(default)s)")
-    playing.add_argument("--loop", action="store_true", help="again and again")
-
-    stats = verb("stats", "measure what comes over the line; a recording is read whole")
-    stats.add_argument("--seconds", type=float, default=5.0, help="how long to listen (%(default)s)")
-    stats.add_argument("--json", action="store_true", help="one JSON object on stdout")
-
-    command = verb("command", "ask the device to do something; `help` as the request lists what")
-    command.add_argument("request", nargs="+", metavar="REQUEST", help="such as start, snapshot 3, read CR, get")
-    command.add_argument("--block", type=int, default=0, help="of read and write: 0 the interface, 1 the sensor")
-    return parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; gives the exit status."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     try:
         return int(_VERBS[options.verb](options))
     except CommandError as error:
         print(f"camif-inspect: {error}", file=sys.stderr)
-        return 1
+        return 2 if isinstance(error, RequestError) else 1
     except InspectError as error:
         print(f"camif-inspect: {error}", file=sys.stderr)
         return 2
@@ -121,13 +57,19 @@ def _session(
 ) -> Session:
     session = Session(source_for(options.url, options.baud, speed), options.wait, recorder)
     if session.trouble:
-        _errors.print(f"[yellow]{session.trouble}; waiting for it[/]")
+        _warn(f"{session.trouble}; waiting for it")
+        while session.trouble and not session.ended.wait(0.05):
+            pass
     return session
+
+
+def _warn(text: str) -> None:
+    _errors.print(text, style="yellow", markup=False)
 
 
 def _progress(*columns: TextColumn | BarColumn | MofNCompleteColumn | DownloadColumn | TimeElapsedColumn) -> Progress:
     return Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         *columns,
         TimeElapsedColumn(),
         console=_errors,
@@ -145,9 +87,8 @@ class _LogPrinter:
         self._everything = everything
 
     def __call__(self, console: Console) -> None:
-        new = self._session.log_count - self._seen
-        self._seen += new
-        for _, level, text in list(self._session.log)[-new:] if new else ():
+        lines, self._seen = self._session.said_since(self._seen)
+        for _, level, text in lines:
             if self._everything or level in ("error", "warning"):
                 console.print(f"{level}: {text}", style="red" if level == "error" else "yellow", markup=False)
 
@@ -159,10 +100,12 @@ def _stream_of(text: str | None) -> int | str | None:
 def _save(options: argparse.Namespace) -> int:
     kinds = KINDS if options.kind == "both" else (options.kind,)
     single = options.out.suffix[1:] if options.out.suffix[1:] in KINDS else None
+    if single and options.kind not in (single, "both"):
+        raise InspectError(f"{options.out} is a .{single} file, and --kind asks for {options.kind}")
+    if single is None and options.out.suffix.lower() in _OTHER_PICTURES and not options.out.is_dir():
+        raise InspectError(f"{options.out}: a picture is written as .png, or its bytes as .raw; or name a directory")
     if single and options.frames != 1:
         raise InspectError(f"{options.out} is one file, and {options.frames} frames are asked for; name a directory")
-    if options.frames < 1:
-        raise InspectError("at least one frame must be asked for")
     saved: list[dict[str, object]] = []
     all_whole = True
     with _session(options) as session, _progress(BarColumn(), MofNCompleteColumn()) as progress:
@@ -209,15 +152,15 @@ def _save(options: argparse.Namespace) -> int:
 
 
 def _record(options: argparse.Namespace) -> int:
-    until = time.monotonic() + options.seconds if options.seconds else float("inf")
-    with replacing(options.out) as file:
+    with replacing(options.out, buffering=0) as file:
         writer = RecordingWriter(file)
         with _session(options, recorder=writer) as session:
+            until = time.monotonic() + options.seconds if options.seconds else math.inf
             print_log = _LogPrinter(session)
             try:
                 with _progress(DownloadColumn()) as progress:
                     task = progress.add_task(f"recording to {options.out}", total=None)
-                    while time.monotonic() < until and not session.ended.is_set():
+                    while time.monotonic() < until and not session.ended.is_set() and writer.failure is None:
                         time.sleep(0.05)
                         progress.update(task, completed=writer.bytes_written)
                         print_log(progress.console)
@@ -227,7 +170,9 @@ def _record(options: argparse.Namespace) -> int:
             session.record(None)
             session.check()
         written = writer.bytes_written
-    _errors.print(f"{options.out}: {written:,} bytes")
+    _errors.print(f"{options.out}: {written:,} bytes", markup=False)
+    if writer.failure is not None:
+        raise InspectError(f"{options.out} ends early, but is good up to there: {writer.failure.strerror}")
     return 0
 
 
@@ -244,6 +189,8 @@ def _play(options: argparse.Namespace) -> int:
         task = progress.add_task(f"playing {options.file}", total=None if options.loop else source.reader.size)
         played = play(source, channel, lambda at: progress.update(task, completed=at))
     _errors.print(f"{played:,} bytes played")
+    if source.reader.cut_short:
+        _warn(f"{options.file} is cut short within a record; all before that was played")
     return 0
 
 
@@ -273,6 +220,8 @@ def _stats(options: argparse.Namespace) -> int:
             return 1
         if noisy or everything["counts"]["damaged"]:
             raise InspectError(f"bytes came and no packet: {hint}")
+        if not everything["counts"]["bytes"]:
+            raise InspectError(f"not a byte came from {options.url}")
     return 0
 
 
@@ -326,9 +275,14 @@ def _view(options: argparse.Namespace) -> int:
         raise InspectError("view shows either a URL or, with --play, a recording")
     from .view import serve  # only here: it takes asyncio and a web server along
 
-    url = options.play if options.play is not None else options.url
-    source = source_for(url, options.baud, options.speed, options.loop)
+    source: Source
+    if options.play is not None:
+        source = RecordedSource(options.play, options.speed, options.loop)
+    else:
+        source = source_for(options.url, options.baud, options.speed, options.loop)
     with Session(source, wait=True) as session:
+        if session.trouble:
+            _warn(f"{session.trouble}; waiting for it")
         serve(session, options.host, options.port, options.save_to, not options.no_browser)
     return 0
 

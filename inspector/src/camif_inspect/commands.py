@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from . import encodings
-from .errors import CommandError
+from .errors import CommandError, RequestError
 from .packet import Reply
 
 
@@ -73,9 +73,9 @@ def number(text: str, name: str, least: int, greatest: int) -> int:
     try:
         value = int(text, 0)
     except ValueError:
-        raise CommandError(f"{name} is a number, such as 12 or 0x0C, not `{text}`") from None
+        raise RequestError(f"{name} is a number, such as 12 or 0x0C, not `{text}`") from None
     if not least <= value <= greatest:
-        raise CommandError(f"{name} is {least} to {greatest}, not {value}")
+        raise RequestError(f"{name} is {least} to {greatest}, not {value}")
     return value
 
 
@@ -89,7 +89,7 @@ def encoding_code(text: str) -> int:
     if text.isdigit():
         return number(text, "an encoding", 0, 15)
     names = ", ".join(name for name in encodings.NAMES.values() if " " not in name)
-    raise CommandError(f"`{text}` is no encoding; there are {names} and auto")
+    raise RequestError(f"`{text}` is no encoding; there are {names} and auto")
 
 
 def read_arguments(block: int, offset: int, count: int) -> bytes:

@@ -19,5 +19,9 @@ class CommandError(InspectError):
     """The device refused a command, or did not answer."""
 
 
+class RequestError(CommandError):
+    """A request makes no sense, whatever the device is."""
+
+
 class FormatError(InspectError):
     """A picture is in a format that this version does not know."""

@@ -33,21 +33,21 @@ def uninterrupted() -> Iterator[None]:
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file for writing that takes its name only when the block ends well.
+def replacing(path: Path, buffering: int = -1) -> Iterator[IO[bytes]]:
+    """Open a file for writing that takes its name only when the block ends well; `buffering` is as in `open`.
 
-    An exception, Ctrl-C included, leaves an older file of that name as it was and nothing of the new one.
+    An exception, Ctrl-C included, leaves an older file of that name as it was and nothing of the new one. What the
+    system refuses, as a full disk does, is raised as `InspectError`.
     """
+    if path.is_dir():
+        raise InspectError(f"cannot write {path}: it is a directory; name a file")
     temporary: Path | None = None
     try:
-        try:
-            with uninterrupted():
-                path.parent.mkdir(parents=True, exist_ok=True)
-                handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-                temporary = Path(name)
-        except OSError as error:
-            raise InspectError(f"cannot write {path}: {error.strerror}") from error
-        with os.fdopen(handle, "wb") as file:
+        with uninterrupted():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
+            temporary = Path(name)
+        with os.fdopen(handle, "wb", buffering) as file:
             yield file
             file.flush()
             os.fsync(file.fileno())
@@ -56,7 +56,11 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
         os.umask(mask)
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
-    except BaseException:
+    except BaseException as error:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+        if isinstance(error, FileExistsError):
+            raise InspectError(f"cannot write {path}: {path.parent} is no directory") from error
+        if isinstance(error, OSError) and not isinstance(error, ConnectionError):
+            raise InspectError(f"cannot write {path}: {error.strerror or error}") from error
         raise

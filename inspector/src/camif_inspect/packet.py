@@ -19,6 +19,8 @@ LARGEST_BODY = 4096
 LARGEST_WIRE = LARGEST_BODY + 17
 """Bytes of the largest packet between two delimiters."""
 LARGEST_COMMAND = 512
+COMMAND_HEAD = 12
+"""Bytes of a command's body besides its arguments."""
 DELIMITER = b"\0"
 # The CRC-32 of anything followed by its own CRC-32, little-endian.
 CRC_RESIDUE = 0x2144DF1C

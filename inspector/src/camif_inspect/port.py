@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
+from urllib.parse import urlsplit
 
 import serial
 
@@ -29,14 +30,30 @@ _WRITE_SECONDS = 2.0
 
 
 class Chunk(NamedTuple):
-    """Bytes that came together, and when: seconds on the source's own clock."""
+    """Bytes that came together.
+
+    Attributes:
+        time: when they came, in seconds on the source's own clock.
+        data: the bytes.
+        caught_up: whether nothing waited when the read began: whatever had reached this end by then, has been read.
+    """
 
     time: float
     data: bytes
+    caught_up: bool = True
 
 
 class EndOfSource(Exception):  # noqa: N818 (an end is no error)
-    """A recording is at its end."""
+    """A recording is at its end.
+
+    Attributes:
+        cut_short: whether that is within a record.
+    """
+
+    def __init__(self, name: str, cut_short: bool) -> None:
+        """Name the recording, and say how it ends."""
+        super().__init__(f"{name} is at its end" + (", cut short within a record" if cut_short else ""))
+        self.cut_short = cut_short
 
 
 class Source(Protocol):
@@ -46,7 +63,7 @@ class Source(Protocol):
     live: bool
 
     def open(self) -> None:
-        """Open it, or raise `PortError`."""
+        """Open it, or raise `PortError`; another `InspectError` where waiting would be in vain."""
 
     def read(self) -> Chunk:
         """Wait a moment for bytes; none may have come. Raises `PortError` when it is gone, `EndOfSource` at the end."""
@@ -63,16 +80,37 @@ class Source(Protocol):
 
 def _reason(error: BaseException) -> str:
     """Say in a few words why the system refused."""
+    if isinstance(error, TypeError):
+        # What pyserial makes of a port that another thread closes meanwhile.
+        return "it was closed meanwhile"
+    text = str(error) or type(error).__name__
+    if "exclusively lock" in text:
+        return "another program has it open"
     number = getattr(error, "errno", None)
     if isinstance(error, serial.SerialException) and error.__context__ is not None and number is None:
         number = getattr(error.__context__, "errno", None)
     if isinstance(number, int) and number in errno.errorcode:
         return os.strerror(number).lower()
-    text = str(error) or type(error).__name__
     if "readiness to read but returned no data" in text:
         return "it was unplugged, or its other end closed, or another program reads it as well"
+    if "Inappropriate ioctl" in text:
+        return "it is no serial port"
     # pyserial prefixes what we say already.
-    return text.split(": ", 1)[-1].splitlines()[0]
+    return text.split(": ", 1)[-1].split("\n", 1)[0]
+
+
+def _check_address(url: str) -> None:
+    """See that a URL of a socket names one, which pyserial says in words of its own program."""
+    scheme, _, rest = url.partition("://")
+    if scheme.lower() not in ("socket", "rfc2217"):
+        return
+    try:
+        address = urlsplit(f"//{rest}")
+        if address.hostname and address.port:
+            return
+    except ValueError:
+        pass
+    raise InspectError(f"cannot open {url}: write {scheme}://HOST:PORT, with a port from 1 to 65535")
 
 
 def _open_as_it_is(port: serial.SerialBase) -> None:
@@ -94,6 +132,7 @@ class SerialSource:
 
     def __init__(self, url: str, baud: int = DEFAULT_BAUD) -> None:
         """Take a note of the URL; nothing is opened yet. `baud` is ignored where there is no line, as on a socket."""
+        _check_address(url)
         self.name = url
         self.baud = baud
         self._port: Any = None
@@ -103,35 +142,46 @@ class SerialSource:
         self.close()
         try:
             port = serial.serial_for_url(
-                self.name, do_not_open=True, baudrate=self.baud, timeout=_POLL_SECONDS, write_timeout=_WRITE_SECONDS
+                self.name,
+                do_not_open=True,
+                baudrate=self.baud,
+                timeout=_POLL_SECONDS,
+                write_timeout=_WRITE_SECONDS,
+                # Of two programs that read one port, each gets half of every packet.
+                exclusive=True,
             )
             _open_as_it_is(port)
             self._port = port
             if not isinstance(self._port, serial.Serial) and hasattr(self._port, "fileno"):
                 self._port.timeout = 0
-        except (serial.SerialException, OSError, ValueError) as error:
+        except (serial.SerialException, OSError) as error:
             raise PortError(f"cannot open {self.name}: {_reason(error)}") from error
+        except ValueError as error:
+            # A URL or a rate that will not do: nothing to wait for.
+            raise InspectError(f"cannot open {self.name}: {_reason(error)}") from error
 
     def read(self) -> Chunk:
         """Read what has come, at most 1 MiB."""
         if self._port is None:
             raise PortError(f"{self.name} is not open")
         try:
-            data = self._read()
+            data, caught_up = self._read()
         except (serial.SerialException, OSError, TypeError) as error:
             # pyserial lets a TypeError out when another thread closes the port meanwhile.
             self.close()
             raise PortError(f"{self.name} is gone: {_reason(error)}") from error
-        return Chunk(self.now(), data)
+        return Chunk(self.now(), data, caught_up)
 
-    def _read(self) -> bytes:
+    def _read(self) -> tuple[bytes, bool]:
         """Read no more than is there, for pyserial throws away what it has when it finds the other end gone."""
         port = self._port
         if isinstance(port, serial.Serial) or not hasattr(port, "fileno"):
-            return bytes(port.read(max(1, min(port.in_waiting, _READ_BYTES))))
+            waiting = port.in_waiting
+            return bytes(port.read(max(1, min(waiting, _READ_BYTES)))), not waiting
         # A socket does not tell how much there is, but with no time to wait a read ends after one piece.
-        ready, _, _ = select.select([port.fileno()], [], [], _POLL_SECONDS)
-        return bytes(port.read(_READ_BYTES)) if ready else b""
+        waiting = bool(select.select([port.fileno()], [], [], 0)[0])
+        ready = waiting or bool(select.select([port.fileno()], [], [], _POLL_SECONDS)[0])
+        return bytes(port.read(_READ_BYTES)) if ready else b"", not waiting
 
     def write(self, data: bytes) -> None:
         """Send bytes; raises `PortError` when the port is gone or takes none for two seconds."""
@@ -224,7 +274,7 @@ class RecordedSource:
                     return record
             if not self.loop:
                 break
-        raise EndOfSource(f"{self.name} is at its end")
+        raise EndOfSource(self.name, self.reader.cut_short)
 
     def write(self, data: bytes) -> None:  # noqa: ARG002 (a recording takes nothing)
         """Refuse: nobody listens."""

@@ -62,22 +62,43 @@ class Record:
 
 
 class RecordingWriter:
-    """Writes records to an open file; the caller names, closes and renames it."""
+    """Writes records to an open file; the caller names, closes and renames it.
+
+    Attributes:
+        bytes_written: bytes of the line that the file holds.
+        failure: why there is no more in it, such as a full disk; None while all is well.
+    """
 
     def __init__(self, file: IO[bytes], started: float | None = None) -> None:
-        """Write the header. `started` is in seconds since 1970; now, if it is left out."""
+        """Write the header. `started` is in seconds since 1970; now, if it is left out.
+
+        A file that was opened without a buffer holds every whole record, whatever happens afterwards.
+        """
         self._file = file
         self._last = 0
         self.bytes_written = 0
+        self.failure: OSError | None = None
         seconds = time.time() if started is None else started
-        file.write(_HEADER.pack(MAGIC, VERSION, 0, int(seconds * 1e9)))
+        self._put(_HEADER.pack(MAGIC, VERSION, 0, int(seconds * 1e9)))
 
     def write(self, at: float, data: bytes, direction: int = FROM_DEVICE) -> None:
-        """Append bytes that were on the line `at` seconds after the start."""
+        """Append bytes that were on the line `at` seconds after the start; nothing any more after a failure."""
+        if self.failure is not None:
+            return
         self._last = max(self._last, int(at * 1e9))
-        self._file.write(_RECORD.pack(self._last, direction, len(data)))
-        self._file.write(data)
-        self.bytes_written += len(data)
+        try:
+            self._put(_RECORD.pack(self._last, direction, len(data)) + data)
+        except OSError as error:
+            # Whoever listens goes on. What was written of the record, a reader takes for its end.
+            self.failure = error
+        else:
+            self.bytes_written += len(data)
+
+    def _put(self, data: bytes) -> None:
+        """Write all of it; a file without a buffer may take some at a time."""
+        rest = memoryview(data)
+        while rest:
+            rest = rest[self._file.write(rest) :]
 
 
 def is_recording(path: Path) -> bool:
@@ -113,6 +134,7 @@ class RecordingReader:
             self._file.close()
             raise RecordingError(f"{path} is a recording of version {version}; this program reads version {VERSION}")
         self.started = started / 1e9
+        self.cut_short = False
 
     @property
     def position(self) -> int:
@@ -120,11 +142,12 @@ class RecordingReader:
         return self._file.tell()
 
     def __iter__(self) -> Iterator[Record]:
-        """Give the records from the first on."""
+        """Give the records from the first on; one that the file ends within is none, and is noted in `cut_short`."""
         self._file.seek(_HEADER.size)
         while True:
             header = self._file.read(_RECORD.size)
             if len(header) < _RECORD.size:
+                self.cut_short = len(header) > 0
                 return
             at, direction, length = _RECORD.unpack(header)
             if length > _LONGEST or direction not in (FROM_DEVICE, TO_DEVICE):
@@ -132,6 +155,7 @@ class RecordingReader:
                 raise RecordingError(f"{self.path} is damaged at byte {place}: no record starts there")
             data = self._file.read(length)
             if len(data) < length:
+                self.cut_short = True
                 return
             yield Record(at / 1e9, direction, data)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import queue
-import random
 import threading
 import time
 from collections import deque
@@ -15,18 +14,15 @@ import numpy as np
 
 from . import commands
 from .commands import Command, Parameter
-from .errors import CommandError, InspectError, PortError
+from .errors import CommandError, InspectError, PortError, RequestError
+from .exchange import REPLY_SECONDS, Exchange
 from .frame import Frame
-from .packet import DELIMITER, VERSION, Hello, Log, OtherVersion, Reply, command_wire
+from .packet import COMMAND_HEAD, LARGEST_COMMAND, VERSION, Hello, Log, OtherVersion, Reply
 from .port import EndOfSource, Source
 from .receiver import Event, Receiver
 from .recording import FROM_DEVICE, TO_DEVICE, RecordingWriter
 
 _RETRY_SECONDS = 0.25
-_REPLY_SECONDS = 1.0
-_ATTEMPTS = 4
-# A greeting that stays without an answer must not hold up the commands of a person for long.
-_GREETINGS = 2
 # Bytes without a single packet after which a person is told that this is no device, or another rate.
 _NOISE_BYTES = 16_384
 _QUEUED_FRAMES = 64
@@ -56,6 +52,7 @@ class Session:
         self.lock = threading.Lock()
         self.log: deque[tuple[float, str, str]] = deque(maxlen=1000)
         self.log_count = 0
+        self._log_lock = threading.Lock()
         self.trouble: str | None = None
         self.ended = threading.Event()
         self.last_data: float | None = None
@@ -64,9 +61,7 @@ class Session:
         self._write_lock = threading.Lock()
         self._recorder: tuple[RecordingWriter, float] | None = None
         self.record(recorder)
-        self._replies: queue.Queue[Reply] = queue.Queue()
-        self._command_lock = threading.Lock()
-        self._request = random.randrange(1 << 16)
+        self._exchange = Exchange(source.name, self._send, self._check_port)
         self._stop = threading.Event()
         self._failure: BaseException | None = None
         self._since_packet = 0
@@ -117,8 +112,15 @@ class Session:
 
     def say(self, level: str, text: str) -> None:
         """Add a line to the log as this end's own."""
-        self.log.append((self.source.now(), level, text))
-        self.log_count += 1
+        with self._log_lock:
+            self.log.append((self.source.now(), level, text))
+            self.log_count += 1
+
+    def said_since(self, count: int) -> tuple[list[tuple[float, str, str]], int]:
+        """Give the log's lines after the first `count` ones, as far as they are kept, and how many there are now."""
+        with self._log_lock:
+            new = self.log_count - count
+            return list(self.log)[-new:] if new else [], self.log_count
 
     def record(self, writer: RecordingWriter | None) -> None:
         """Write all bytes, both ways, to a recording from now on; None ends it."""
@@ -141,14 +143,19 @@ class Session:
             while not self._stop.is_set():
                 if self.trouble is not None and not self._reopen():
                     continue
+                begun = time.monotonic()
                 try:
                     chunk = self.source.read()
                 except PortError as error:
                     self._lost(error)
                     continue
+                if chunk.caught_up:
+                    self._exchange.caught_up = begun
                 if chunk.data:
                     self._take(chunk.time, chunk.data)
-        except EndOfSource:
+        except EndOfSource as end:
+            if end.cut_short:
+                self.say("warning", str(end))
             self.trouble = "the recording is at its end"
         except BaseException as error:  # handed to whoever asks next
             self._failure = error
@@ -180,7 +187,7 @@ class Session:
 
         def ask() -> None:
             with suppress(InspectError):
-                self._exchange(Command.HELLO, b"", _REPLY_SECONDS, _GREETINGS)
+                self._exchange.greet()
 
         threading.Thread(target=ask, name="camif-inspect greeting", daemon=True).start()
 
@@ -195,7 +202,7 @@ class Session:
         self._watch_for_noise(len(data), understood)
         for event in events:
             if isinstance(event, Reply):
-                self._replies.put(event)
+                self._exchange.replies.put(event)
             elif isinstance(event, Log):
                 if event.lost:
                     self.say("warning", f"{event.lost} lines of the device's log were lost")
@@ -289,7 +296,7 @@ class Session:
                     if over:
                         return
                     if timeout is not None and time.monotonic() - silent_since > timeout:
-                        raise InspectError(self.silence(timeout)) from None
+                        raise InspectError(self.silence(timeout, stream)) from None
                     continue
                 yield frame
                 silent_since = time.monotonic()
@@ -317,25 +324,38 @@ class Session:
             failure, self._failure = self._failure, None
             raise failure
 
-    def silence(self, seconds: float) -> str:
-        """Say why no frame may have come for so long."""
-        if self.trouble:
-            return f"no frame for {seconds:g} s: {self.trouble}"
+    def silence(self, seconds: float, stream: int | str | None = None) -> str:
+        """Say why no frame, of a stream or of any, may have come for so long."""
+        said = f"no frame{'' if stream is None else f' of stream {stream}'} for {seconds:g} s"
+        reason = self.trouble or self._no_packet()
+        if reason is not None:
+            return f"{said}: {reason}"
+        with self.lock:
+            known = [known for _, known in sorted(self.receiver.streams.items())]
+            beat = self.receiver.heartbeat
+        wanted = [one for one in known if stream in (one.number, one.name)]
+        if stream is not None and not wanted:
+            return f"{said}: the device has {', '.join(f'{one.number} ({one.name})' for one in known) or 'no streams'}"
+        if beat is not None and beat.state == 0:
+            return f"{said}: the device is stopped; start it with `camif-inspect command URL start`"
+        if any(one.info is not None and not one.info.on for one in wanted):
+            return f"{said}: it is off; turn it on with `camif-inspect command URL streams all`"
+        return said
+
+    def _no_packet(self) -> str | None:
+        """Say why not a packet has come; None if one has."""
         counts = self.receiver.counts
-        if self.receiver.versions and not counts.received:
+        if counts.received:
+            return None
+        if self.receiver.versions:
             return self.version_text(OtherVersion(next(iter(self.receiver.versions))))
         if counts.bytes == 0:
-            return f"no frame for {seconds:g} s: {self.source.name} is open, but not a byte has come"
-        if not counts.received:
-            return f"no frame for {seconds:g} s: {counts.bytes:,} bytes came and no packet: {self.noise_hint}"
-        beat = self.receiver.heartbeat
-        if beat is not None and beat.state == 0:
-            return f"no frame for {seconds:g} s: the device is stopped; start it with `camif-inspect command URL start`"
-        return f"no frame for {seconds:g} s"
+            return f"{self.source.name} is open, but not a byte has come"
+        return f"{counts.bytes:,} bytes came and no packet: {self.noise_hint}"
 
     # Commands.
 
-    def command(self, command: Command | int, arguments: bytes = b"", timeout: float = _REPLY_SECONDS) -> Reply:
+    def command(self, command: Command | int, arguments: bytes = b"", timeout: float = REPLY_SECONDS) -> Reply:
         """Send a command and give the reply, whatever its status.
 
         A command without a reply within `timeout` seconds is sent again, four times in all: the device carries it out
@@ -343,29 +363,23 @@ class Session:
         """
         if threading.current_thread() is self._thread:
             raise RuntimeError("a listener cannot wait for a reply: it is what receives it")
-        return self._exchange(command, arguments, timeout, _ATTEMPTS)
+        hello = self.receiver.hello
+        most = (hello.largest_received if hello else LARGEST_COMMAND) - COMMAND_HEAD
+        if len(arguments) > most:
+            raise RequestError(f"a command of {len(arguments)} bytes is too long: the device takes {most}")
+        try:
+            return self._exchange.ask(command, arguments, timeout)
+        except CommandError as error:
+            reason = self._no_packet()
+            raise CommandError(f"{error}: {reason}" if reason else str(error)) from None
 
-    def _exchange(self, command: Command | int, arguments: bytes, timeout: float, attempts: int) -> Reply:
-        with self._command_lock:
-            self._request = (self._request + 1) % (1 << 16)
-            wire = DELIMITER + command_wire(self._request, int(command), arguments)
-            while not self._replies.empty():
-                self._replies.get_nowait()
-            for _ in range(attempts):
-                self._record(self.source.now(), wire, TO_DEVICE)
-                self.source.write(wire)
-                deadline = time.monotonic() + timeout
-                while (left := deadline - time.monotonic()) > 0:
-                    try:
-                        reply = self._replies.get(timeout=min(left, 0.1))
-                    except queue.Empty:
-                        if self.trouble or self._stop.is_set():
-                            raise PortError(self.trouble or f"{self.source.name} was closed") from None
-                        continue
-                    if (reply.request, reply.command) == (self._request, int(command)):
-                        return reply
-        name = Command(command).name if command in Command._value2member_map_ else str(int(command))
-        raise CommandError(f"no reply to {name} from {self.source.name}, asked {attempts} times")
+    def _send(self, wire: bytes) -> None:
+        self._record(self.source.now(), wire, TO_DEVICE)
+        self.source.write(wire)
+
+    def _check_port(self) -> None:
+        if self.trouble or self._stop.is_set():
+            raise PortError(self.trouble or f"{self.source.name} was closed")
 
     def demand(self, command: Command | int, arguments: bytes = b"") -> Reply:
         """Send a command; raises `CommandError` with the device's words if it is refused."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import time
 from collections import deque
 from collections.abc import Callable
@@ -136,7 +137,7 @@ class Desk:
             told |= handler(self, message)
         except InspectError as error:
             told |= {"ok": False, "text": str(error)}
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError, struct.error) as error:
             told |= {"ok": False, "text": f"the page asks for `{name}` in a way that makes no sense: {error}"}
         return told
 

@@ -13,6 +13,7 @@ import json
 import logging
 import signal
 import webbrowser
+from concurrent.futures import ThreadPoolExecutor
 from http import HTTPStatus
 from importlib import resources
 from pathlib import Path
@@ -32,6 +33,8 @@ from .pictures import packed
 
 _TICK_SECONDS = 1 / 30
 _STATE_TICKS = 6
+# Questions of one page that wait for their answers; further ones wait in its connection.
+_QUESTIONS = 16
 _TYPES = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",
@@ -68,6 +71,8 @@ class View:
         self._directory = directory
         self._files = page_files()
         self._history = History(session)
+        # Questions may wait for a device for seconds; pictures must not wait for their threads.
+        self._packers = ThreadPoolExecutor(2, "camif-inspect pictures")
         self._server: Server | None = None
         self._sampler: asyncio.Task[None] | None = None
 
@@ -100,7 +105,10 @@ class View:
         self._sampler = asyncio.create_task(self._sample())
 
     async def stop(self) -> None:
-        """Stop serving."""
+        """Stop serving, and close the session."""
+        # Whoever waits for a reply is told that it will not come.
+        await asyncio.get_running_loop().run_in_executor(self._packers, self._session.close)
+        self._packers.shutdown(wait=False)
         if self._sampler:
             self._sampler.cancel()
         if self._server:
@@ -170,6 +178,8 @@ class View:
         questions: set[asyncio.Task[None]] = set()
         try:
             async for message in connection:
+                while len(questions) >= _QUESTIONS:
+                    await asyncio.wait(questions, return_when=asyncio.FIRST_COMPLETED)
                 task = asyncio.create_task(self._answer(connection, desk, message))
                 questions.add(task)
                 task.add_done_callback(questions.discard)
@@ -199,6 +209,7 @@ class View:
         async def say(message: dict[str, Any]) -> None:
             await connection.send(json.dumps(message))
 
+        loop = asyncio.get_running_loop()
         await say(welcome(self._session))
         samples = log = 0
         tick = 0
@@ -209,16 +220,15 @@ class View:
             if new:
                 samples = self._history.count
                 await say({"type": "samples", "rates": list(self._history.rates)[-new:]})
-            new = self._session.log_count - log
-            if new:
-                log = self._session.log_count
-                lines = list(self._session.log)[-new:]
-                await say({"type": "log", "lines": [[level, text] for _, level, text in lines]})
+            lines, log = self._session.said_since(log)
+            if lines:
+                now = self._session.source.now()
+                await say({"type": "log", "lines": [[level, text, max(0.0, now - at)] for at, level, text in lines]})
             if not desk.paused:
                 with self._session.lock:
                     lacking = desk.pictures.lacking(self._session.receiver.streams)
                 for rows in lacking:
-                    await connection.send(await asyncio.to_thread(packed, rows))
+                    await connection.send(await loop.run_in_executor(self._packers, packed, rows))
             tick += 1
             await asyncio.sleep(_TICK_SECONDS)
 

@@ -179,20 +179,24 @@ async function parameters(name) {
 
 // Log
 
+/** Adds a line to the log, of so many seconds ago. */
+function logged(level, text, age = 0) {
+  const list = at("log"), time = new Date(Date.now() - 1000 * age).toTimeString().slice(0, 8);
+  list.append(make("li", { className: level }, make("time", { textContent: time }), make("span", { textContent: text })));
+  while (list.children.length > 1000) list.firstChild.remove();
+}
+
 on("log", ({ lines }) => {
   const list = at("log");
   const follows = list.scrollTop + list.clientHeight > list.scrollHeight - 30;
-  const time = new Date().toTimeString().slice(0, 8);
-  for (const [level, text] of lines) list.append(make("li", { className: level }, make("time", { textContent: time }), make("span", { textContent: text })));
-  while (list.children.length > 1000) list.firstChild.remove();
+  for (const [level, text, age] of lines) logged(level, text, age);
   if (follows) list.scrollTop = list.scrollHeight;
 });
 
-/** Adds lines of this page's own to the log. */
+/** Adds a line of this page's own to the log. */
 function note(level, text) {
-  const list = at("log"), time = new Date().toTimeString().slice(0, 8);
-  list.append(make("li", { className: level }, make("time", { textContent: time }), make("span", { textContent: text })));
-  list.scrollTop = list.scrollHeight;
+  logged(level, text);
+  at("log").scrollTop = at("log").scrollHeight;
 }
 
 // Commands in words, with the ones before under the arrow keys
@@ -230,6 +234,14 @@ divider.onpointerdown = (event) => { divider.setPointerCapture(event.pointerId);
 divider.onpointermove = (event) => { if (divider.classList.contains("dragging")) dock(`${(100 * (innerHeight - event.clientY)) / innerHeight}vh`); };
 divider.onpointerup = divider.onpointercancel = () => {
   divider.classList.remove("dragging");
+  localStorage.setItem("dock", main.style.getPropertyValue("--dock"));
+};
+divider.onkeydown = (event) => {
+  const up = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+  if (!up) return;
+  event.preventDefault();
+  const share = Math.round((100 * at("dock").clientHeight) / innerHeight);
+  dock(`${Math.max(10, Math.min(90, share + 4 * up))}vh`);
   localStorage.setItem("dock", main.style.getPropertyValue("--dock"));
 };
 divider.ondblclick = () => { main.style.removeProperty("--dock"); localStorage.removeItem("dock"); };

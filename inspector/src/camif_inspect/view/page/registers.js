@@ -100,12 +100,15 @@ function show() {
     row.classList.toggle("zero", !content);
     return row;
   });
+  // Whoever flips bits by the keyboard stays on the bit that was flipped.
+  const flipped = detail.contains(document.activeElement) ? document.activeElement.dataset.bit : undefined;
   detail.replaceChildren(head, bits, make("div", { className: "fields" }, ...fields));
+  if (flipped !== undefined) detail.querySelector(`[data-bit="${flipped}"]`)?.focus();
 }
 
-async function read(offsets, quiet = false) {
+async function read(offsets) {
   const answer = await ask({ do: "read", offsets });
-  if (!answer.ok) { if (!quiet) toast(answer); return answer.ok; }
+  if (!answer.ok) { toast(answer); return false; }
   changed.clear();
   for (const [offset, value] of Object.entries(answer.registers)) {
     const before = values.get(Number(offset));
@@ -133,7 +136,11 @@ async function write() {
 
 const readable = () => registers.filter((register) => register.readable).map((register) => register.offset);
 document.getElementById("registers-read").onclick = () => read(readable());
+let following = false;
 setInterval(async () => {
-  if (!follow.checked || document.hidden) return;
-  if (!(await read(readable(), true))) follow.checked = false;
+  // A slow device is asked again only when it has answered.
+  if (!follow.checked || document.hidden || following) return;
+  following = true;
+  if (!(await read(readable()))) follow.checked = false;
+  following = false;
 }, 1000);

@@ -15,6 +15,7 @@ export const activePicture = () => (streams.get(active) ?? pictures()[0])?.pictu
 function entryOf(stream) {
   if (streams.has(stream)) return streams.get(stream);
   const canvas = make("canvas", { tabIndex: 0 });
+  canvas.setAttribute("role", "img");
   canvas.dataset.stream = stream;
   const swatch = make("i", { className: "swatch" });
   swatch.style.background = `var(--stream-${stream % 4})`;
@@ -37,6 +38,7 @@ on("picture", (head) => {
   const entry = entryOf(head.stream);
   entry.picture.take(head);
   entry.name.textContent = head.name;
+  entry.view.canvas.setAttribute("aria-label", `${head.name}; arrows move, plus and minus zoom`);
   entry.what.textContent = `#${head.sequence}  ${head.width} × ${head.height}  ${head.format}`;
   let text = head.verdict;
   if (head.missing && head.closed) text = `${head.good ? "" : `${text}, `}${head.missing} ${head.missing === 1 ? "line" : "lines"} missing`;
@@ -146,6 +148,17 @@ function watch(entry, canvas) {
   canvas.addEventListener("pointercancel", end);
   canvas.addEventListener("pointerleave", () => { look.pointer = null; });
   canvas.addEventListener("dblclick", () => setScale(0, view));
+  canvas.addEventListener("focus", () => { active = picture.stream; });
+  canvas.addEventListener("keydown", (event) => {
+    const [x, y] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key] ?? [0, 0];
+    if (event.ctrlKey || event.metaKey || event.altKey || !picture.head || (!x && !y)) return;
+    event.preventDefault();
+    // An eighth of what is seen; a picture that fits is held first, as a drag does.
+    const { scale } = view.place();
+    if (!look.scale) look.scale = scale / (devicePixelRatio || 1);
+    look.x += (x * canvas.width) / 8 / scale / picture.head.width;
+    look.y += (y * canvas.height) / 8 / scale / picture.head.height;
+  });
 }
 
 const pointerText = document.getElementById("pointer");
