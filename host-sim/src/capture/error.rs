@@ -57,6 +57,23 @@ pub enum CaptureError {
         /// Frames that came before.
         frames: u64,
     },
+    /// Frames came, and none of them was whole.
+    #[error(
+        "{device}: no whole frame for {:.1} s: of {frames} frames {damaged} came damaged and {short} too short; check the camera's cable, take a smaller size, a lower rate or another format, or give it longer with --timeout",
+        waited.as_secs_f64()
+    )]
+    NoneWhole {
+        /// The device.
+        device: String,
+        /// How long was waited.
+        waited: Duration,
+        /// Frames that came in all.
+        frames: u64,
+        /// Of these, damaged ones.
+        damaged: u64,
+        /// Of these, short ones.
+        short: u64,
+    },
     /// It was unplugged, or its driver removed.
     #[error("{device}: gone after {frames} frames; plug it in again. What came before is whole")]
     Gone {

@@ -17,6 +17,8 @@ pub(super) enum Event {
     Frame(u32, Vec<u8>),
     /// One that is damaged.
     Damaged(u32),
+    /// Damaged ones and nothing else from now on, one each millisecond.
+    OnlyDamaged,
     /// Nothing, for as long as is waited.
     Nothing,
     /// The device is unplugged.
@@ -74,6 +76,11 @@ impl CaptureDevice for Fake {
         let (sequence, bytes, damaged) = match self.events.pop_front() {
             Some(Event::Frame(sequence, bytes)) => (sequence, bytes, false),
             Some(Event::Damaged(sequence)) => (sequence, vec![0; 9], true),
+            Some(Event::OnlyDamaged) => {
+                self.events.push_front(Event::OnlyDamaged);
+                std::thread::sleep(Duration::from_millis(1));
+                (0, vec![0; 9], true)
+            }
             Some(Event::Unplugged) => return Err(self.opened.gone()),
             Some(Event::Nothing) | None => {
                 std::thread::sleep(timeout);

@@ -24,7 +24,7 @@ const SLICE: Duration = Duration::from_millis(100);
 pub struct Limits {
     /// Frames to be used; without a number there is no end.
     pub frames: Option<u64>,
-    /// The longest time without a frame.
+    /// The longest time without a frame, and without a whole one.
     pub timeout: Duration,
 }
 
@@ -102,7 +102,7 @@ fn take(
     let converter = Converter::new(&device.opened().format);
     let mut statistics = Statistics::default();
     let started = Instant::now();
-    let (mut first, mut last) = (None, started);
+    let (mut first, mut last, mut whole) = (None, started, started);
     let (mut used, mut between) = (0, Duration::ZERO);
     let mut error = None;
     while !ends() && limits.frames.is_none_or(|frames| used < frames) {
@@ -112,6 +112,17 @@ fn take(
                 device: device.opened().name.clone(),
                 waited,
                 frames: statistics.taken,
+            });
+            break;
+        }
+        let waited_for_whole = whole.elapsed();
+        if waited_for_whole >= limits.timeout && last > whole {
+            error = Some(CaptureError::NoneWhole {
+                device: device.opened().name.clone(),
+                waited: waited_for_whole,
+                frames: statistics.taken,
+                damaged: statistics.damaged,
+                short: statistics.short,
             });
             break;
         }
@@ -133,6 +144,7 @@ fn take(
             statistics.short += 1;
         } else {
             statistics.good += 1;
+            whole = last;
             drop(planes);
             if hand_on(frame, sender, device.buffers()) {
                 used += 1;

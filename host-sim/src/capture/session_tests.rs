@@ -78,6 +78,17 @@ fn gaps_damage_and_short_frames_are_counted_and_not_used() {
     assert_eq!((got.copied_bytes, got.converted_bytes), (3 * 8, 3 * 24));
 }
 
+/// A bad cable: frames without an end, and none that could be used.
+#[test]
+fn a_device_that_gives_only_damaged_frames_is_given_up() {
+    let mut fake = Fake::new([Fake::frame(0), Event::OnlyDamaged]);
+    let session = run(&mut fake, Limits { frames: Some(2), ..PATIENT }, None);
+    let error = session.error.unwrap();
+    assert!(matches!(error, CaptureError::NoneWhole { frames: 2.., damaged: 1.., short: 0, .. }), "{error}");
+    assert!(error.to_string().contains("no whole frame for 0.0 s"), "{error}");
+    assert_eq!((session.statistics.good, fake.buffers()), (1, 70));
+}
+
 #[test]
 fn a_frame_without_gaps_is_written_from_the_devices_memory() {
     let folder = tempfile::tempdir().unwrap();

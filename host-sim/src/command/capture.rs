@@ -158,6 +158,9 @@ impl Capture {
         }
         let chosen = self.choose()?;
         if self.controls {
+            if self.json && chosen.len() > 1 {
+                bail!("--json prints one object; give one device to --controls");
+            }
             for source in &chosen {
                 list_controls(source, self.input, &self.set, self.json)?;
             }

@@ -61,7 +61,7 @@ fn list_v4l2(
 
     let device = v4l2::open(path)?;
     if let Some(input) = input {
-        device.set_input(input)?;
+        v4l2::set_input(&device, input)?;
     }
     for (name, value) in set {
         v4l2::set_control(&device, name, value)?;

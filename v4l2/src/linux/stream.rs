@@ -190,9 +190,10 @@ impl Shared {
             memory: raw::MAPPED,
             ..raw::Buffer::ZERO
         };
-        call_buffer(self.device.fd(), BufferRequest::Queue, &mut raw, &mut [raw::Plane::ZERO; raw::PLANES])?;
+        // Counted before: as soon as the driver has it, another thread may take it back, filled.
         self.queued.fetch_add(1, Ordering::AcqRel);
-        Ok(())
+        call_buffer(self.device.fd(), BufferRequest::Queue, &mut raw, &mut [raw::Plane::ZERO; raw::PLANES])
+            .inspect_err(|_| _ = self.queued.fetch_sub(1, Ordering::AcqRel))
     }
 }
 

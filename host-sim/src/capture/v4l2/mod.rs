@@ -47,6 +47,20 @@ pub fn open(path: &Path) -> Result<Device, CaptureError> {
     }
 }
 
+/// Takes a connector by its number.
+///
+/// # Errors
+/// [`CaptureError::Unknown`] with those that there are, [`CaptureError::Refused`] with what the device says.
+pub fn set_input(device: &Device, index: u32) -> Result<(), CaptureError> {
+    let inputs = device.inputs().unwrap_or_default();
+    if !inputs.iter().any(|input| input.index == index) {
+        let names: Vec<String> =
+            inputs.iter().map(|input| format!("{} ({})", input.index, input.name)).collect();
+        return Err(unknown(device, "input", &index.to_string(), names.iter().map(String::as_str)));
+    }
+    device.set_input(index).map_err(|error| refused(device, format!("input {index}"), &error, "take another"))
+}
+
 impl V4l2 {
     /// Chooses, sets and starts a device.
     ///
@@ -56,15 +70,7 @@ impl V4l2 {
         let device = open(path)?;
         let mut notes = Vec::new();
         if let Some(index) = settings.input {
-            let inputs = device.inputs().unwrap_or_default();
-            if !inputs.iter().any(|input| input.index == index) {
-                let names: Vec<String> =
-                    inputs.iter().map(|input| format!("{} ({})", input.index, input.name)).collect();
-                return Err(unknown(&device, "input", &index.to_string(), names.iter().map(String::as_str)));
-            }
-            device
-                .set_input(index)
-                .map_err(|error| refused(&device, format!("input {index}"), &error, "take another"))?;
+            set_input(&device, index)?;
         }
         let format = set_format(&device, settings, &mut notes)?;
         let rate = set_rate(&device, settings, &mut notes)?;
@@ -126,6 +132,10 @@ mod tests {
     fn what_is_no_camera_is_said_with_a_remedy() {
         let said = |path| open(Path::new(path)).unwrap_err().to_string();
         assert!(said("/dev/video-none").contains("check the path"));
-        assert!(said("/dev/null").contains("it is no video device"));
+        for other in ["/dev/null", "/dev", env!("CARGO_MANIFEST_DIR"), file!()] {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(other);
+            let error = open(&path).unwrap_err().to_string();
+            assert!(error.contains("it is no video device"), "{error}");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! What a device refuses, with what to do about it.
 
+use std::io::ErrorKind;
 use std::path::Path;
 
 use v4l2_capture::{Device, Error};
@@ -13,7 +14,7 @@ pub(super) fn open_error(path: &Path, error: &Error) -> CaptureError {
         "join the group that owns it, most often by `sudo usermod -aG video $USER`, and log in again"
     } else if error.is_busy() {
         "another program uses it: end that"
-    } else if error.is_unsupported() {
+    } else if error.is_unsupported() || error.source.kind() == ErrorKind::IsADirectory {
         "it is no video device; `host-sim capture --list` says which there are"
     } else {
         "unplug it and plug it in again"
