@@ -92,8 +92,7 @@ fn build_images() -> Result<PathBuf> {
             copy(&image.elf, &into.join(format!("{}-{}.elf", image.name, image.package)))?;
         }
     }
-    let toolchain = Toolchain::find()
-        .map_err(|missing| anyhow::anyhow!("{missing:?} is missing for Cortex-M: see `cargo xtask setup`"))?;
+    let toolchain = Toolchain::find()?;
     let sources = folder().join("images");
     for entry in std::fs::read_dir(&sources).with_context(|| sources.display().to_string())? {
         let package = entry?.path();

@@ -28,8 +28,7 @@ pub(crate) fn folder() -> PathBuf {
 /// # Errors
 /// If no compiler is there for it, or the build fails; it has said why.
 pub(crate) fn build(packages: &[String]) -> Result<Vec<Image>> {
-    let toolchain = Toolchain::find()
-        .map_err(|missing| anyhow::anyhow!("{missing:?} is missing for Cortex-M: see `cargo xtask setup`"))?;
+    let toolchain = Toolchain::find()?;
     build_with(&toolchain, packages, &[])
 }
 

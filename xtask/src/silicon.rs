@@ -6,7 +6,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, bail};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, elf};
 
 use crate::boards::{self, Image};
@@ -58,8 +58,7 @@ const CORE_VECTORS: usize = 16;
 
 /// Builds all images for silicon and checks them. True if nothing is wrong.
 pub(crate) fn check(bless: bool) -> Result<bool> {
-    let toolchain = Toolchain::find()
-        .map_err(|missing| anyhow!("{missing:?} is missing for Cortex-M: see `cargo xtask setup`"))?;
+    let toolchain = Toolchain::find()?;
     let mut good = true;
     for chip in CHIPS {
         for image in boards::build_with(&toolchain, &[chip.package.to_owned()], &[])? {
@@ -181,8 +180,7 @@ pub(crate) fn flash(package: &str) -> Result<bool> {
     if in_path(PROBE).is_none() {
         bail!("{PROBE} is not there, which flashes and shows the log: `cargo install probe-rs-tools`");
     }
-    let toolchain = Toolchain::find()
-        .map_err(|missing| anyhow!("{missing:?} is missing for Cortex-M: see `cargo xtask setup`"))?;
+    let toolchain = Toolchain::find()?;
     let folder = boards::folder().join(package);
     Ok(run_in(&toolchain, &folder)?.success())
 }

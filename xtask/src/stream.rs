@@ -50,6 +50,12 @@ pub(crate) struct Options {
 
 /// True if all went well.
 pub(crate) fn run(options: &Options) -> Result<bool> {
+    let serial = if options.pty { Serial::Pty } else { Serial::Tcp(options.port) };
+    if let (Serial::Tcp(port), false) = (serial, options.check) {
+        // QEMU would say so after the build, and when its address had been announced.
+        TcpListener::bind(("127.0.0.1", port))
+            .with_context(|| format!("port {port} can't be listened on; choose another with --port"))?;
+    }
     let images = boards::build(&["mps2".to_owned()])?;
     let image = images.iter().find(|image| image.name == IMAGE).with_context(|| format!("no {IMAGE}"))?;
     if options.check {
@@ -65,7 +71,6 @@ pub(crate) fn run(options: &Options) -> Result<bool> {
         }
         return Ok(true);
     }
-    let serial = if options.pty { Serial::Pty } else { Serial::Tcp(options.port) };
     // 125 million instructions a second, and idle time as long as it is.
     let mut device =
         Device::start(options.board.unwrap_or(Board::An386), &image.elf, serial, "shift=3,sleep=on")?;
@@ -107,8 +112,12 @@ impl Device {
         command.args(["-semihosting-config", "enable=on,target=native", "-serial", &serial_argument]);
         // By instructions: by the host's clock, the timer's interrupts would starve the rest on a busy machine.
         command.args(["-icount", pace]);
-        command.arg("-kernel").arg(elf).current_dir(&folder).stdin(Stdio::null()).stdout(Stdio::piped());
-        command.stderr(Stdio::piped());
+        command.arg("-kernel").arg(elf).current_dir(&folder).stdin(Stdio::null());
+        match serial {
+            // Its messages, in the form of defmt, would fill a pipe that nobody reads; what it complains of is for the user.
+            Serial::Tcp(_) => command.stdout(Stdio::null()),
+            Serial::Pty => command.stdout(Stdio::piped()).stderr(Stdio::piped()),
+        };
         let mut machine = command
             .spawn()
             .with_context(|| format!("cannot start {}: see `cargo xtask setup`", qemu::PROGRAM))?;

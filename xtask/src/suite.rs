@@ -44,8 +44,7 @@ pub(crate) struct Options {
 
 /// True if all passed.
 pub(crate) fn run(options: &Options) -> Result<bool> {
-    let toolchain = Toolchain::find()
-        .map_err(|missing| anyhow::anyhow!("{missing:?} is missing for Cortex-M: see `cargo xtask setup`"))?;
+    let toolchain = Toolchain::find()?;
     let images = select(boards::build(&[PACKAGE.to_owned()])?, &options.images)?;
     snapshot::say_if_unblessed(&boards::folder().join(PACKAGE).join("snapshots"), &toolchain.version)?;
     let boards = options.board.map_or(Board::ALL.to_vec(), |board| vec![board]);

@@ -4,6 +4,7 @@
 //! One that has the library's sources builds `core` itself (`-Zbuild-std`): that is the way of Debian's `rustc-web`
 //! and `rust-web-src`, and of rustup's component `rust-src`. `CAMIF_RUSTC` names a compiler to take instead of looking.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -33,6 +34,18 @@ pub(crate) enum Missing {
     Target,
     /// Debian's compiler is there, but nothing that links.
     Linker,
+}
+
+impl std::error::Error for Missing {}
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self {
+            Self::Target => "compiler here builds",
+            Self::Linker => "linker is here",
+        };
+        write!(f, "no {what} for {TARGET}; `cargo xtask setup` says how to get one")
+    }
 }
 
 impl Toolchain {

@@ -61,10 +61,14 @@ esac"#,
         fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
     }
 
-    /// Exit status, and all that it says.
     fn setup(&self, arguments: &[&str]) -> (i32, String) {
+        self.xtask(&[&["setup"], arguments].concat())
+    }
+
+    /// Exit status, and all that it says.
+    fn xtask(&self, arguments: &[&str]) -> (i32, String) {
         let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
-        command.arg("setup").args(arguments).env("PATH", self.root().join("bin"));
+        command.args(arguments).env("PATH", self.root().join("bin"));
         command.env("CAMIF_RUSTC", self.root().join("bin/rustc")).env_remove("RUSTC");
         let output = command.output().unwrap();
         let said = [output.stdout, output.stderr].concat();
@@ -93,6 +97,24 @@ fn what_is_missing_is_said_and_nothing_is_touched() {
         assert!(said.contains(part), "{part}: {said}");
     }
     assert_eq!(machine.calls(), Vec::<String>::new());
+}
+
+#[test]
+fn what_builds_images_says_what_to_do_where_nothing_can() {
+    let machine = Machine::new(None);
+    for arguments in [
+        &["build-boards"][..],
+        &["check-boards"],
+        &["qemu"],
+        &["run", "qemu_replay"],
+        &["stream", "--port", "0"],
+    ] {
+        let (status, said) = machine.xtask(arguments);
+        assert_eq!(status, 2, "{arguments:?}: {said}");
+        let told =
+            "no compiler here builds for thumbv7em-none-eabihf; `cargo xtask setup` says how to get one";
+        assert!(said.contains(told), "{arguments:?}: {said}");
+    }
 }
 
 #[test]

@@ -61,8 +61,7 @@ struct Audit {
 
 /// Audits the sources and all images. True if nothing is wrong.
 pub(crate) fn run(options: &Options) -> Result<bool> {
-    let toolchain = Toolchain::find()
-        .map_err(|missing| anyhow::anyhow!("{missing:?} is missing for Cortex-M: see `cargo xtask setup`"))?;
+    let toolchain = Toolchain::find()?;
     let mut good = unsafes::check(options.bless)?;
     // Frames as the compiler has them: a section that is not loaded, in images of their own.
     let flags: &[&str] = if options.with_compiler { &["-Zemit-stack-sizes"] } else { &[] };
