@@ -20,6 +20,7 @@ import device as devices
 import pictures
 from camif_inspect.command_line import main
 from camif_inspect.recording import RecordingReader, RecordingWriter
+from camif_inspect.session import Session
 
 
 def test_save_writes_png_and_raw(device, tmp_path, capsys):
@@ -250,12 +251,20 @@ def test_a_full_disk_is_one_clear_line(device, tmp_path, capsys, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["run.camr"]
 
 
-def test_what_is_cut_short_is_said(device, tmp_path, capsys):
+def test_what_is_cut_short_is_said(device, tmp_path, capsys, monkeypatch):
     path = tmp_path / "run.camr"
     assert main(["record", device.url, "-o", str(path), "--seconds", "0.5"]) == 0
     path.write_bytes(path.read_bytes()[:-1])
     assert main(["stats", str(path)]) == 0
-    assert "run.camr is at its end, cut short within a record" in capsys.readouterr().err
+    told = "run.camr is at its end, cut short within a record"
+    assert told in capsys.readouterr().err
+
+    # Read to its end before anybody has looked what there is to be told.
+    start = Session.start
+    monkeypatch.setattr(Session, "start", lambda session: (start(session), session.ended.wait(10)))
+    for command in (["stats", str(path)], ["save", str(path), "-o", str(tmp_path / "all"), "--frames", "1000"]):
+        main(command)
+        assert told in capsys.readouterr().err, command
 
 
 def test_a_port_that_is_not_there_yet_is_waited_for(capsys):

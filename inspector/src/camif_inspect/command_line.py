@@ -144,6 +144,7 @@ def _save(options: argparse.Namespace) -> int:
             progress.advance(task)
             if len(saved) == options.frames:
                 break
+        print_log(progress.console)
     if options.json:
         print(json.dumps({"frames": saved}))
     if len(saved) < options.frames:
@@ -164,6 +165,7 @@ def _record(options: argparse.Namespace) -> int:
                         time.sleep(0.05)
                         progress.update(task, completed=writer.bytes_written)
                         print_log(progress.console)
+                    print_log(progress.console)
             except KeyboardInterrupt:
                 # The usual way to end it: what has come is kept.
                 pass
@@ -206,6 +208,8 @@ def _stats(options: argparse.Namespace) -> int:
                 time.sleep(0.05)
                 progress.update(task, completed=options.seconds - (until - time.monotonic()))
                 print_log(progress.console)
+            # What was said after the last look.
+            print_log(progress.console)
         session.check()
         with session.lock:
             last = statistics.sample(session.receiver, session.source.now())
